@@ -1,0 +1,147 @@
+"""The Smith random walk, in the coordinate t = -ln C1(h) that makes heights unnecessary.
+
+t is 0 at the top of the microsurface and infinite at its bottom. A free path in direction d is
+t_next = t - E d_z / sigma(d) with E exponential, for every direction, and it leaves the surface
+when t_next < 0: Algorithm 1 of [HHdD16] (Eqs. 25 to 30) with C1 = exp(-t) put in.
+
+Inside a dielectric the walk sees the surface upside down. Lanes inside are kept point-reflected
+(d -> -d, C1 -> 1 - C1), so that every lane at every time is above the surface and the same three
+lines serve both sides.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.light import Light, append_event
+from surfaces.materials import Material
+
+BLOCK = 8192
+"""Lanes handled together: a dozen arrays of this length stay in a core's second-level cache,
+and the cost of a NumPy call is spread over enough lanes."""
+
+
+@dataclass
+class Lanes:
+    """Walks under way. Arrays have one entry for each lane, or one for all of them."""
+
+    d: Array
+    t: Array
+    weight: Array | None = None
+    inside: Array | None = None
+    sequence: Array | None = None
+
+    def compress(self, keep: Array) -> "Lanes":
+        """The lanes for which `keep` holds."""
+        some = [None if a is None else a.compress(keep, axis=-1) for a in vars(self).values()]
+        return Lanes(*some)
+
+    def take(self, part: slice) -> "Lanes":
+        return Lanes(*[None if a is None else a[..., part] for a in vars(self).values()])
+
+
+def random_walk(
+    slopes: Slopes,
+    material: Material,
+    wi: Array,
+    n: int,
+    rng: np.random.Generator,
+    max_order: int,
+) -> Iterator[Light]:
+    """Walk `n` times from the direction `wi` (3,), a unit vector with z > 0, in its precision.
+
+    Yields the light that leaves, order by order; what is still under way after `max_order`
+    facets comes last, unresolved. [HHdD16] Algorithm 7 without its next-event estimation.
+    """
+    arriving = _arrive(slopes, material, wi.reshape(3, 1))
+    survivors = []
+    for start in range(0, n, BLOCK):
+        light, lanes = _bounce(slopes, material, arriving, min(BLOCK, n - start), 1, rng)
+        yield light
+        survivors.append(lanes)
+    for order in range(2, max_order + 1):
+        lanes = _concatenate(survivors)
+        if lanes.t.size == 0:
+            return
+        survivors = []
+        for start in range(0, lanes.t.size, BLOCK):
+            block = lanes.take(slice(start, start + BLOCK))
+            light, staying = _bounce(slopes, material, block, block.t.size, order, rng)
+            yield light
+            survivors.append(staying)
+    lanes = _concatenate(survivors)
+    if lanes.t.size:
+        yield _leave(lanes, max_order, resolved=False)
+
+
+def exponential(n: int, rng: np.random.Generator, dtype: type) -> Array:
+    """Exponential numbers; half the generator's spacing keeps them above zero."""
+    return np.finfo(dtype).epsneg / 2 - np.log(1 - rng.random(n, dtype=dtype))
+
+
+def free_path(t: Array, d: Array, sigma: Array, E: Array) -> tuple[Array, Array]:
+    """Who leaves the surface, and the coordinate t of the next facet for those who do not.
+
+    The question is put without a division, since sigma vanishes towards the zenith; the answer
+    is kept above zero, where only rounding could take it.
+    """
+    step = E * d[2]
+    leaves = step >= t * sigma
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return leaves, np.maximum(t - step / sigma, np.finfo(t.dtype).tiny)
+
+
+def flip(t: Array) -> Array:
+    """C1 -> 1 - C1 in t, with all digits at both ends."""
+    with np.errstate(divide="ignore"):
+        return -np.where(t < np.log(2), np.log(-np.expm1(-t)), np.log1p(-np.exp(-t)))
+
+
+def _arrive(slopes: Slopes, material: Material, wi: Array) -> Lanes:
+    """One lane for all: from above the surface, t = 0, towards it."""
+    lanes = Lanes(d=-wi, t=np.zeros(1, wi.dtype))
+    if material.absorbs:
+        lanes.weight = np.ones(1, wi.dtype)
+    if material.transmits:
+        lanes.inside = np.zeros(1, bool)
+        lanes.sequence = np.ones(1, np.int64)
+    return lanes
+
+
+def _bounce(
+    slopes: Slopes, material: Material, lanes: Lanes, n: int, order: int, rng: np.random.Generator
+) -> tuple[Light, Lanes]:
+    """The facet of number `order`: who leaves after it, and who stays for another."""
+    dtype = lanes.d.dtype.type
+    t = lanes.t
+    if order == 1:
+        _, t = free_path(t, lanes.d, slopes.sigma(lanes.d), exponential(n, rng, dtype))
+    m = slopes.visible_normals(-lanes.d, n, rng)
+    d, gain, transmitted = material.scatter(lanes.d, m, lanes.inside, rng)
+    after = Lanes(d, t)
+    if gain is not None:
+        after.weight = lanes.weight * gain
+    if transmitted is not None:
+        d *= np.where(transmitted, dtype(-1), dtype(1))
+        after.t = np.where(transmitted, flip(t), t)
+        after.inside = lanes.inside ^ transmitted
+        after.sequence = append_event(lanes.sequence, transmitted)
+    leaves, t_next = free_path(after.t, d, slopes.sigma(d), exponential(n, rng, dtype))
+    light = _leave(after.compress(leaves), order)
+    after.t = t_next
+    return light, after.compress(~leaves)
+
+
+def _leave(lanes: Lanes, order: int, resolved: bool = True) -> Light:
+    w = lanes.d
+    if lanes.inside is not None:
+        w = np.where(lanes.inside, -w, w)
+    return Light(order, w, lanes.weight, lanes.inside, lanes.sequence, resolved)
+
+
+def _concatenate(parts: list[Lanes]) -> Lanes:
+    columns = zip(*(vars(part).values() for part in parts), strict=True)
+    return Lanes(*[None if c[0] is None else np.concatenate(c, axis=-1) for c in columns])

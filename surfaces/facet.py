@@ -1,0 +1,76 @@
+"""What light does at a single facet: reflection, refraction, Fresnel, diffuse scattering.
+
+Shared by both producers of light, the tracing of explicit surfaces and the Smith random walk.
+Directions `d` are directions of travel, unit vectors of shape (3, n); facet normals `m` face the
+arriving light (d . m < 0) and need not be normalised unless said otherwise.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating]
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Dot product over the first axis of two (3, n) arrays."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def unit_circle(n: int, rng: np.random.Generator, dtype: type = np.float64) -> tuple[Array, Array]:
+    """Cosine and sine of a uniform angle, from the tangent of half of it: one transcendental
+    function instead of two, and cos^2 + sin^2 = 1 to rounding."""
+    tan_half = np.tan(np.pi * (rng.random(n, dtype=dtype) - dtype(0.5)))
+    square = tan_half * tan_half
+    scale = 1 / (1 + square)
+    return (1 - square) * scale, 2 * tan_half * scale
+
+
+def reflect(d: Array, m: Array) -> Array:
+    """Direction of travel after a mirror reflection off a facet of normal `m` (any length)."""
+    return d - (2 * dot(d, m) / dot(m, m)) * m
+
+
+def fresnel_dielectric(cos_i: Array, eta: Array | float) -> tuple[Array, Array]:
+    """Fresnel reflectance of unpolarised light, and the cosine of refraction.
+
+    `eta` is the index behind the facet over the index before it. Total internal reflection
+    gives reflectance 1 and cosine 0. [HHdD16 impl., 3.4]
+    """
+    cos_t = np.sqrt(np.maximum(1 - (1 - cos_i * cos_i) / (eta * eta), 0))
+    r_s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
+    r_p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t)
+    return (r_s * r_s + r_p * r_p) / 2, cos_t
+
+
+def fresnel_conductor(cos_i: Array, eta: float, k: float) -> Array:
+    """Fresnel reflectance of unpolarised light off a metal of complex index eta + i k.
+
+    Exact, in real arithmetic: with a^2 + b^2 = |(eta + i k)^2 - sin^2|
+    (Born & Wolf, Principles of Optics, 14.2).
+    """
+    cos2 = cos_i * cos_i
+    sin2 = 1 - cos2
+    real = eta * eta - k * k - sin2
+    modulus = np.sqrt(real * real + 4 * eta * eta * k * k)
+    a = np.sqrt((modulus + real) / 2)
+    r_s = (modulus + cos2 - 2 * a * cos_i) / (modulus + cos2 + 2 * a * cos_i)
+    p = cos2 * modulus + sin2 * sin2
+    q = 2 * a * cos_i * sin2
+    return r_s * (1 + (p - q) / (p + q)) / 2
+
+
+def lambertian(m: Array, n: int, rng: np.random.Generator) -> Array:
+    """Cosine-distributed directions about unit normals `m` with m_z > 0.
+
+    The frame about `m` is that of Duff et al. 2017, whose only singular normal is (0, 0, -1).
+    """
+    cos_phi, sin_phi = unit_circle(n, rng, m.dtype.type)
+    radius2 = rng.random(n, dtype=m.dtype)
+    radius, height = np.sqrt(radius2), np.sqrt(1 - radius2)
+    x, y = radius * cos_phi, radius * sin_phi
+    k = (m[0] * x + m[1] * y) / (1 + m[2])
+    out = np.empty((3, n), m.dtype)
+    out[0] = x + m[0] * (height - k)
+    out[1] = y + m[1] * (height - k)
+    out[2] = m[2] * height - m[0] * x - m[1] * y
+    return out

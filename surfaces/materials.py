@@ -1,0 +1,120 @@
+"""Facet materials: what a facet does with light, for tracing and for the random walk alike.
+
+A material turns the direction of travel `d` (3, n) and the normal `m` (3, n) of the facet it
+meets, on the side of the arriving light and of any length, into the direction it leaves in.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from surfaces.facet import (
+    Array,
+    dot,
+    fresnel_conductor,
+    fresnel_dielectric,
+    lambertian,
+    reflect,
+)
+
+
+class Scattered(NamedTuple):
+    """Light that leaves a facet."""
+
+    d: Array
+    """Directions of travel, (3, n)."""
+    gain: Array | None = None
+    """Share of the energy that is kept, (n,); None: all of it."""
+    transmitted: Array | None = None
+    """Whether the light went behind the facet, (n,) of bool; None: never."""
+
+
+class Material(Protocol):
+    """A facet's material."""
+
+    name: str
+    absorbs: bool
+    transmits: bool
+
+    def scatter(
+        self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
+    ) -> Scattered:
+        """Light leaving the facets. `inside` (n,) of bool: who arrives from the inner medium."""
+
+
+@dataclass(frozen=True)
+class Conductor:
+    """A mirror, perfect or with the Fresnel reflectance of a complex index n + i k."""
+
+    eta_k: tuple[float, float] | None = None
+    name = "conductor"
+    transmits = False
+
+    @property
+    def absorbs(self) -> bool:
+        return self.eta_k is not None
+
+    def scatter(
+        self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
+    ) -> Scattered:
+        if self.eta_k is None:
+            return Scattered(reflect(d, m))
+        cos_i = np.abs(dot(d, m)) / np.sqrt(dot(m, m))
+        return Scattered(reflect(d, m), gain=fresnel_conductor(cos_i, *self.eta_k))
+
+
+@dataclass(frozen=True)
+class Diffuse:
+    """A Lambertian facet."""
+
+    albedo: float = 1.0
+    name = "diffuse"
+    transmits = False
+
+    @property
+    def absorbs(self) -> bool:
+        return self.albedo < 1
+
+    def scatter(
+        self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
+    ) -> Scattered:
+        n = m.shape[1]
+        out = lambertian(m / np.sqrt(dot(m, m)), n, rng)
+        return Scattered(out, np.full(n, self.albedo, m.dtype) if self.absorbs else None)
+
+
+@dataclass(frozen=True)
+class Dielectric:
+    """A smooth interface that reflects or refracts, chosen by the Fresnel reflectance.
+
+    `ior` is the index inside over the index outside.
+    """
+
+    ior: float = 1.5
+    name = "dielectric"
+    absorbs = False
+    transmits = True
+
+    def scatter(
+        self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
+    ) -> Scattered:
+        m = m / np.sqrt(dot(m, m))
+        n = m.shape[1]
+        dtype = m.dtype.type
+        eta: Array | float = self.ior
+        if inside is not None:
+            eta = np.where(inside, dtype(1 / self.ior), dtype(self.ior))
+        cos_i = np.abs(dot(d, m))
+        fresnel, cos_t = fresnel_dielectric(cos_i, eta)
+        transmitted = rng.random(n, dtype=dtype) >= fresnel
+        # Both leave in the plane of d and m: d + 2 cos_i m, or d / eta + (cos_i / eta - cos_t) m.
+        scale = np.where(transmitted, 1 / eta, dtype(1))
+        along_m = np.where(transmitted, cos_i / eta - cos_t, 2 * cos_i)
+        return Scattered(scale * d + along_m * m, transmitted=transmitted)
+
+
+METALS: dict[str, tuple[float, float]] = {
+    "silver": (0.0571, 3.4706),
+}
+"""placeholder"""
