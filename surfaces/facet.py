@@ -5,10 +5,12 @@ Directions `d` are directions of travel, unit vectors of shape (3, n); facet nor
 arriving light (d . m < 0) and need not be normalised unless said otherwise.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.floating]
+Array = NDArray[Any]
 
 
 def dot(a: Array, b: Array) -> Array:
@@ -42,7 +44,7 @@ def fresnel_dielectric(cos_i: Array, eta: Array | float) -> tuple[Array, Array]:
     return (r_s * r_s + r_p * r_p) / 2, cos_t
 
 
-def fresnel_conductor(cos_i: Array, eta: float, k: float) -> Array:
+def fresnel_conductor(cos_i: Array, eta: Array | float, k: Array | float) -> Array:
     """Fresnel reflectance of unpolarised light off a metal of complex index eta + i k.
 
     Exact, in real arithmetic: with a^2 + b^2 = |(eta + i k)^2 - sin^2|

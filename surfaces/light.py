@@ -17,7 +17,7 @@ class Light:
     w: Array
     """Directions of leaving, (3, n)."""
     weight: Array | None = None
-    """Energy left, (n,); None: all of it."""
+    """Energy left in each channel, (channels, n); None: all of it."""
     transmitted: Array | None = None
     """Who leaves on the far side, (n,) of bool; None: nobody."""
     sequence: Array | None = None

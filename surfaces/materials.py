@@ -25,7 +25,7 @@ class Scattered(NamedTuple):
     d: Array
     """Directions of travel, (3, n)."""
     gain: Array | None = None
-    """Share of the energy that is kept, (n,); None: all of it."""
+    """Share of the energy that is kept in each channel, (channels, n); None: all of it."""
     transmitted: Array | None = None
     """Whether the light went behind the facet, (n,) of bool; None: never."""
 
@@ -36,6 +36,8 @@ class Material(Protocol):
     name: str
     absorbs: bool
     transmits: bool
+    channels: int
+    """Colours or wavelengths followed at once, with one weight each."""
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
@@ -45,43 +47,58 @@ class Material(Protocol):
 
 @dataclass(frozen=True)
 class Conductor:
-    """A mirror, perfect or with the Fresnel reflectance of a complex index n + i k."""
+    """A mirror, perfect or with the Fresnel reflectance of a complex index n + i k per channel."""
 
-    eta_k: tuple[float, float] | None = None
+    eta_k: tuple[tuple[float, float], ...] = ()
     name = "conductor"
     transmits = False
 
     @property
     def absorbs(self) -> bool:
-        return self.eta_k is not None
+        return bool(self.eta_k)
+
+    @property
+    def channels(self) -> int:
+        return max(len(self.eta_k), 1)
+
+    def fresnel(self, cos_i: Array) -> Array:
+        """Reflectance (channels, n) for cosines (n,) of incidence; only where light is absorbed."""
+        eta, k = np.array(self.eta_k, cos_i.dtype).T[..., None]
+        return fresnel_conductor(cos_i, eta, k)
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
     ) -> Scattered:
-        if self.eta_k is None:
+        if not self.absorbs:
             return Scattered(reflect(d, m))
         cos_i = np.abs(dot(d, m)) / np.sqrt(dot(m, m))
-        return Scattered(reflect(d, m), gain=fresnel_conductor(cos_i, *self.eta_k))
+        return Scattered(reflect(d, m), gain=self.fresnel(cos_i))
 
 
 @dataclass(frozen=True)
 class Diffuse:
-    """A Lambertian facet."""
+    """A Lambertian facet, of one albedo per channel."""
 
-    albedo: float = 1.0
+    albedo: tuple[float, ...] = (1.0,)
     name = "diffuse"
     transmits = False
 
     @property
     def absorbs(self) -> bool:
-        return self.albedo < 1
+        return min(self.albedo) < 1
+
+    @property
+    def channels(self) -> int:
+        return len(self.albedo)
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
     ) -> Scattered:
         n = m.shape[1]
         out = lambertian(m / np.sqrt(dot(m, m)), n, rng)
-        return Scattered(out, np.full(n, self.albedo, m.dtype) if self.absorbs else None)
+        if not self.absorbs:
+            return Scattered(out)
+        return Scattered(out, gain=np.array(self.albedo, m.dtype)[:, None])
 
 
 @dataclass(frozen=True)
@@ -95,6 +112,7 @@ class Dielectric:
     name = "dielectric"
     absorbs = False
     transmits = True
+    channels = 1
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator

@@ -9,8 +9,9 @@ Inside a dielectric the walk sees the surface upside down. Lanes inside are kept
 lines serve both sides.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,13 +35,14 @@ class Lanes:
     inside: Array | None = None
     sequence: Array | None = None
 
+    def each(self, pick: Callable[[Array], Array]) -> "Lanes":
+        """The same selection from each array that is there."""
+        columns: dict[str, Any] = vars(self)
+        return Lanes(**{k: None if a is None else pick(a) for k, a in columns.items()})
+
     def compress(self, keep: Array) -> "Lanes":
         """The lanes for which `keep` holds."""
-        some = [None if a is None else a.compress(keep, axis=-1) for a in vars(self).values()]
-        return Lanes(*some)
-
-    def take(self, part: slice) -> "Lanes":
-        return Lanes(*[None if a is None else a[..., part] for a in vars(self).values()])
+        return self.each(lambda a: a.compress(keep, axis=-1))
 
 
 def random_walk(
@@ -68,7 +70,7 @@ def random_walk(
             return
         survivors = []
         for start in range(0, lanes.t.size, BLOCK):
-            block = lanes.take(slice(start, start + BLOCK))
+            block = lanes.each(lambda a, start=start: a[..., start : start + BLOCK])
             light, staying = _bounce(slopes, material, block, block.t.size, order, rng)
             yield light
             survivors.append(staying)
@@ -90,7 +92,7 @@ def free_path(t: Array, d: Array, sigma: Array, E: Array) -> tuple[Array, Array]
     """
     step = E * d[2]
     leaves = step >= t * sigma
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return leaves, np.maximum(t - step / sigma, np.finfo(t.dtype).tiny)
 
 
@@ -104,7 +106,7 @@ def _arrive(slopes: Slopes, material: Material, wi: Array) -> Lanes:
     """One lane for all: from above the surface, t = 0, towards it."""
     lanes = Lanes(d=-wi, t=np.zeros(1, wi.dtype))
     if material.absorbs:
-        lanes.weight = np.ones(1, wi.dtype)
+        lanes.weight = np.ones((material.channels, 1), wi.dtype)
     if material.transmits:
         lanes.inside = np.zeros(1, bool)
         lanes.sequence = np.ones(1, np.int64)
@@ -122,9 +124,9 @@ def _bounce(
     m = slopes.visible_normals(-lanes.d, n, rng)
     d, gain, transmitted = material.scatter(lanes.d, m, lanes.inside, rng)
     after = Lanes(d, t)
-    if gain is not None:
-        after.weight = lanes.weight * gain
-    if transmitted is not None:
+    if gain is not None and lanes.weight is not None:
+        after.weight = np.broadcast_to(lanes.weight * gain, (material.channels, n))
+    if transmitted is not None and lanes.inside is not None and lanes.sequence is not None:
         d *= np.where(transmitted, dtype(-1), dtype(1))
         after.t = np.where(transmitted, flip(t), t)
         after.inside = lanes.inside ^ transmitted
@@ -143,5 +145,8 @@ def _leave(lanes: Lanes, order: int, resolved: bool = True) -> Light:
 
 
 def _concatenate(parts: list[Lanes]) -> Lanes:
-    columns = zip(*(vars(part).values() for part in parts), strict=True)
-    return Lanes(*[None if c[0] is None else np.concatenate(c, axis=-1) for c in columns])
+    columns: dict[str, Any] = {
+        name: None if first is None else np.concatenate([vars(p)[name] for p in parts], axis=-1)
+        for name, first in vars(parts[0]).items()
+    }
+    return Lanes(**columns)

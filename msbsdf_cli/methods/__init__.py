@@ -1,0 +1,1 @@
+"""The ways to evaluate a Smith microfacet BSDF, one file each, behind `protocol.Method`."""

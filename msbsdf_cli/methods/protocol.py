@@ -1,0 +1,53 @@
+"""What every method offers: evaluation per order, and sampling where it can."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.materials import Material
+
+
+class NotForThis(ValueError):
+    """A method was asked for a material or slopes it does not hold for; the text says why."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """BSDF x cos(theta_o), per steradian, for one incident and n outgoing directions.
+
+    Arrays are (channels, orders + 1, n): orders 1 to `orders`, then all the later ones summed.
+    """
+
+    value: Array
+    stderr: Array
+    """Standard error of each value; 0 where the method has no noise."""
+    unresolved: float = 0.0
+    """Energy not followed to its end: at most this share of the incident energy is missing."""
+
+
+class Method(Protocol):
+    """A BSDF of given slopes and material, evaluated one way.
+
+    Made by `Method(slopes, material, orders)`, which does all the work that serves every pair of
+    directions, and raises `NotForThis` for what the method cannot do.
+    """
+
+    name: str
+
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None: ...
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        """Evaluate for a unit vector `wi` (3,), z > 0, and unit vectors `wo` (3, n), z either sign.
+
+        `samples` is the number of walks or paths; methods without noise ignore it. Arithmetic is
+        in the precision of `wi`.
+        """
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Draw outgoing directions (3, n) and their weights (channels, n): BSDF x cos / density."""
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        """A density (n,) per steradian to weigh samples of `sample` against other strategies."""
