@@ -9,13 +9,13 @@ Inside a dielectric the walk sees the surface upside down. Lanes inside are kept
 lines serve both sides.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from msbsdf_cli.smith.slopes import Slopes
+from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array
 from surfaces.light import Light, append_event
 from surfaces.materials import Material
@@ -26,7 +26,7 @@ and the cost of a NumPy call is spread over enough lanes."""
 
 
 @dataclass
-class Lanes:
+class Lanes(Batch):
     """Walks under way. Arrays have one entry for each lane, or one for all of them."""
 
     d: Array
@@ -34,15 +34,6 @@ class Lanes:
     weight: Array | None = None
     inside: Array | None = None
     sequence: Array | None = None
-
-    def each(self, pick: Callable[[Array], Array]) -> "Lanes":
-        """The same selection from each array that is there."""
-        columns: dict[str, Any] = vars(self)
-        return Lanes(**{k: None if a is None else pick(a) for k, a in columns.items()})
-
-    def compress(self, keep: Array) -> "Lanes":
-        """The lanes for which `keep` holds."""
-        return self.each(lambda a: a.compress(keep, axis=-1))
 
 
 def random_walk(
@@ -65,17 +56,16 @@ def random_walk(
         yield light
         survivors.append(lanes)
     for order in range(2, max_order + 1):
-        lanes = _concatenate(survivors)
-        if lanes.t.size == 0:
+        lanes = concatenate(survivors)
+        if lanes.size == 0:
             return
         survivors = []
-        for start in range(0, lanes.t.size, BLOCK):
-            block = lanes.each(lambda a, start=start: a[..., start : start + BLOCK])
-            light, staying = _bounce(slopes, material, block, block.t.size, order, rng)
+        for block in lanes.blocks(BLOCK):
+            light, staying = _bounce(slopes, material, block, block.size, order, rng)
             yield light
             survivors.append(staying)
-    lanes = _concatenate(survivors)
-    if lanes.t.size:
+    lanes = concatenate(survivors)
+    if lanes.size:
         yield _leave(lanes, max_order, resolved=False)
 
 
@@ -142,11 +132,3 @@ def _leave(lanes: Lanes, order: int, resolved: bool = True) -> Light:
     if lanes.inside is not None:
         w = np.where(lanes.inside, -w, w)
     return Light(order, w, lanes.weight, lanes.inside, lanes.sequence, resolved)
-
-
-def _concatenate(parts: list[Lanes]) -> Lanes:
-    columns: dict[str, Any] = {
-        name: None if first is None else np.concatenate([vars(p)[name] for p in parts], axis=-1)
-        for name, first in vars(parts[0]).items()
-    }
-    return Lanes(**columns)

@@ -1,0 +1,146 @@
+"""A heightfield as a triangle mesh in an Embree scene, with the exact plane of each triangle.
+
+The mesh has its own coordinates: one cell of the grid is 1 along u and v, heights are 1 standard
+deviation. Grid points are then integers, exact in the single precision of Embree, and one scene
+serves every roughness: `Surface.stretch` turns directions into them.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from time import perf_counter
+
+import numpy as np
+import trimesh
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+
+from surfaces.facet import Array
+
+MARGIN = 1
+"""Cells meshed beyond each side of the period, so that no hit is ever sought at the mesh's rim."""
+
+
+@dataclass
+class Surface:
+    """A periodic heightfield, heights (n, n) over `cells` cells a correlation length."""
+
+    heights: Array
+    cells: int
+    rays: int = 0
+    """Rays asked of Embree so far, and the seconds it took."""
+    embree_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        # Embree's precision, so that its triangles and the planes below are the same.
+        self.heights = self.heights.astype(np.float32).astype(np.float64)
+
+    @property
+    def period(self) -> int:
+        """Cells in a period, along each axis."""
+        return len(self.heights)
+
+    def stretch(self, alpha_x: float, alpha_y: float) -> Array:
+        """Cells per unit length along x, y, z, (3, 1), for a roughness; 1 along z.
+
+        A flat facet spans one cell, and its slope is the mean over it: low in variance by
+        (1 - exp(-delta^2)) / delta^2, delta = 1 / cells. The surface is shortened by the root of
+        that, so that the facets, which is what light meets, have variance alpha^2 / 2 exactly.
+        """
+        delta2 = 1 / self.cells**2
+        cells = self.cells * np.sqrt(delta2 / -np.expm1(-delta2))
+        return np.array([[alpha_x / 2 * cells], [alpha_y / 2 * cells], [1.0]])
+
+    @cached_property
+    def top(self) -> float:
+        """Height of the highest point."""
+        return float(self.heights.max())
+
+    @cached_property
+    def bottom(self) -> float:
+        """Height of the lowest point."""
+        return float(self.heights.min())
+
+    @cached_property
+    def _grid(self) -> Array:
+        return np.pad(self.heights, ((MARGIN, MARGIN + 1), (MARGIN, MARGIN + 1)), mode="wrap")
+
+    def faces(self, rows: int) -> Array:
+        """Vertex numbers (2 (rows - 1)^2, 3) of the triangles of a square grid of `rows` points.
+
+        The diagonals alternate like the fields of a chessboard, since a diagonal that always ran
+        the same way would make slopes along x and y correlate.
+        """
+        i, j = np.divmod(np.arange((rows - 1) ** 2, dtype=np.int32), np.int32(rows - 1))
+        corner = i * rows + j
+        odd = (i + j) & 1
+        faces = np.empty((corner.size, 2, 3), np.int32)
+        faces[:, 0] = np.stack([corner, corner + rows, corner + rows + 1 - rows * odd], 1)
+        faces[:, 1] = np.stack([corner + rows * odd, corner + rows + 1, corner + 1], 1)
+        return faces.reshape(-1, 3)
+
+    @cached_property
+    def planes(self) -> Array:
+        """Planes (triangles, 3) of the triangles: z = plane[0] + plane[1] u + plane[2] v."""
+        h = self._grid
+        along_u, along_v = np.diff(h, axis=0), np.diff(h, axis=1)
+        rows = len(h) - 1
+        i, j = np.meshgrid(np.arange(rows), np.arange(rows), indexing="ij")
+        odd = ((i + j) & 1).astype(bool)
+        planes = np.empty((rows, rows, 2, 3))
+        planes[:, :, 0, 1], planes[:, :, 1, 1] = along_u[:, :-1], along_u[:, 1:]
+        left, right = along_v[:-1], along_v[1:]
+        planes[:, :, 0, 2] = np.where(odd, left, right)
+        planes[:, :, 1, 2] = np.where(odd, right, left)
+        # Each triangle has the corner (1, 0) or (0, 1) of its cell: the first and the second.
+        u, v = i - MARGIN, j - MARGIN
+        planes[:, :, 0, 0] = h[1:, :-1] - planes[:, :, 0, 1] * (u + 1) - planes[:, :, 0, 2] * v
+        planes[:, :, 1, 0] = h[:-1, 1:] - planes[:, :, 1, 1] * u - planes[:, :, 1, 2] * (v + 1)
+        return planes.reshape(-1, 3)
+
+    @cached_property
+    def lift(self) -> float:
+        """How far above its facet a ray starts again.
+
+        Single precision moves an origin by at most half a spacing along each axis, hence, on the
+        steepest facet, by this height at most; twice that, since Embree rounds once more.
+        """
+        spacing_uv = np.spacing(np.float32(self.period + 2 * MARGIN))
+        spacing_z = np.spacing(np.float32(max(self.top, -self.bottom)))
+        steepest = np.abs(self.planes[:, 1:]).sum(axis=1).max()
+        return float(spacing_uv * steepest + spacing_z)
+
+    @cached_property
+    def scene(self) -> EmbreeScene:
+        """The Embree scene of one period and its margins."""
+        h = self._grid
+        rows = len(h)
+        axis = np.arange(rows, dtype=np.float32) - MARGIN
+        vertices = np.empty((rows, rows, 3), np.float32)
+        vertices[..., 0], vertices[..., 1], vertices[..., 2] = axis[:, None], axis, h
+        mesh = trimesh.Trimesh(
+            vertices.reshape(-1, 3), self.faces(rows), process=False, validate=False
+        )
+        # `robust`: rays along the lines of the mesh slip through otherwise.
+        scene = EmbreeScene(robust=True)
+        TriangleMesh(scene, np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.int32))
+        return scene
+
+    def query(self, o: Array, d: Array) -> Array:
+        """Numbers (n,) of the triangles that rays (3, n) meet first within the mesh, or -1."""
+        if not (np.isfinite(o).all() and np.isfinite(d).all()):
+            raise FloatingPointError("a ray with a value that is not finite was about to be traced")
+        rays = np.empty((2, o.shape[1], 3), np.float32)
+        rays[0], rays[1] = o.T, d.T
+        started = perf_counter()
+        triangle: Array = self.scene.run(rays[0], rays[1], query="INTERSECT")
+        self.embree_s += perf_counter() - started
+        self.rays += o.shape[1]
+        return triangle
+
+    def mesh(self, alpha_x: float, alpha_y: float) -> trimesh.Trimesh:
+        """One period, in units of the heights' standard deviation."""
+        h = np.pad(self.heights, (0, 1), mode="wrap")
+        axis = np.arange(len(h), dtype=float)
+        u, v = np.meshgrid(axis, axis, indexing="ij")
+        vertices = np.stack([u, v, h]).reshape(3, -1) / self.stretch(alpha_x, alpha_y)
+        return trimesh.Trimesh(vertices.T, self.faces(len(h)), process=False, validate=False)

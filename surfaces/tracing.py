@@ -1,0 +1,156 @@
+"""Light on an explicit surface: rays uniform over the mean plane, facet after facet.
+
+Embree finds the facet; where the ray meets it is computed again, on the facet's plane, in double
+precision.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from surfaces.batch import Batch, concatenate
+from surfaces.facet import Array
+from surfaces.light import Light, append_event
+from surfaces.materials import Material
+from surfaces.periodic import ESCAPED, LOST, next_triangle
+from surfaces.surface import Surface
+
+BLOCK = 16384
+"""Rays handled together."""
+
+
+@dataclass
+class Rays(Batch):
+    """Paths under way: origins and directions in the surface's coordinates, (3, n)."""
+
+    o: Array
+    d: Array
+    weight: Array | None = None
+    inside: Array | None = None
+    sequence: Array | None = None
+
+
+class Tracer:
+    """Light on `surface`, stretched to a roughness, with facets of `material`."""
+
+    def __init__(
+        self, surface: Surface, alpha_x: float, alpha_y: float, material: Material
+    ) -> None:
+        self.surface = surface
+        self.material = material
+        self.scale = surface.stretch(alpha_x, alpha_y)
+
+    def trace(self, wi: Array, n: int, rng: np.random.Generator, max_order: int) -> Iterator[Light]:
+        """Trace `n` rays from the direction `wi` (3,), z > 0; yield what leaves, order by order.
+
+        Rays start uniformly over the mean plane, one on each of `n` equal pieces of a
+        space-filling curve: evenly spread, and neighbours in memory are neighbours in space,
+        which is what makes Embree fast. What is still under way after `max_order` facets comes
+        last, unresolved.
+        """
+        survivors: list[Rays] = []
+        for start in range(0, n, BLOCK):
+            count = min(BLOCK, n - start)
+            curve = (start + np.arange(count) + rng.random(count)) / n
+            yield from self._facet(self._arrive(wi, curve), 1, rng, survivors)
+        for order in range(2, max_order + 2):
+            if not survivors:
+                return
+            rays = concatenate(survivors)
+            survivors = []
+            for block in rays.blocks(BLOCK):
+                yield from self._facet(block, order, rng, survivors)
+        if survivors:
+            yield self._leave(concatenate(survivors), max_order + 1, resolved=False)
+
+    def _arrive(self, wi: Array, curve: Array) -> Rays:
+        n = curve.size
+        o = np.empty((3, n))
+        o[:2] = morton(curve) * self.surface.period
+        o[2] = self.surface.top
+        rays = Rays(o, np.broadcast_to(-wi[:, None] * self.scale, (3, n)))
+        if self.material.absorbs:
+            rays.weight = np.ones((self.material.channels, n))
+        if self.material.transmits:
+            rays.inside = np.zeros(n, bool)
+            rays.sequence = np.ones(n, np.int64)
+        return rays
+
+    def _facet(
+        self, rays: Rays, order: int, rng: np.random.Generator, survivors: list[Rays]
+    ) -> Iterator[Light]:
+        """Take rays to their facet number `order`; yield those that find none."""
+        triangle = next_triangle(self.surface, rays.o, rays.d, rays.inside)
+        escaped, lost = triangle == ESCAPED, triangle == LOST
+        if escaped.any():
+            yield self._leave(rays.compress(escaped), order - 1)
+        if lost.any():
+            yield self._leave(rays.compress(lost), order - 1, resolved=False)
+        hit = triangle >= 0
+        rays, triangle = rays.compress(hit), triangle.compress(hit)
+        if triangle.size:
+            yield from self._scatter(rays, triangle, order, rng, survivors)
+
+    def _scatter(
+        self,
+        rays: Rays,
+        triangle: Array,
+        order: int,
+        rng: np.random.Generator,
+        survivors: list[Rays],
+    ) -> Iterator[Light]:
+        offset, slope_u, slope_v = self.surface.planes.take(triangle, axis=0).T
+        o, d = rays.o, rays.d
+        approach = d[2] - slope_u * d[0] - slope_v * d[1]
+        facing = approach < 0 if rays.inside is None else (approach < 0) ^ rays.inside
+        if not facing.all():
+            # The far side of a facet was met: the ray has leaked through the surface.
+            yield self._leave(rays.compress(~facing), order - 1, resolved=False)
+            front, triangle = rays.compress(facing), triangle.compress(facing)
+            yield from self._scatter(front, triangle, order, rng, survivors)
+            return
+        distance = (offset + slope_u * o[0] + slope_v * o[1] - o[2]) / approach
+        point = o + distance * d
+        point[:2] %= self.surface.period
+        m = np.empty_like(point)
+        m[0], m[1], m[2] = -slope_u * self.scale[0], -slope_v * self.scale[1], 1
+        if rays.inside is not None:
+            m *= np.where(rays.inside, -1.0, 1.0)
+        travel, gain, transmitted = self.material.scatter(d / self.scale, m, rays.inside, rng)
+        after = Rays(point, travel * self.scale)
+        lift: Array | float = self.surface.lift
+        if gain is not None and rays.weight is not None:
+            after.weight = rays.weight * gain
+        if transmitted is not None and rays.inside is not None and rays.sequence is not None:
+            after.inside = rays.inside ^ transmitted
+            after.sequence = append_event(rays.sequence, transmitted)
+            lift = np.where(after.inside, -lift, lift)
+        point[2] += lift
+        survivors.append(after)
+
+    def _leave(self, rays: Rays, order: int, resolved: bool = True) -> Light:
+        w = rays.d / self.scale
+        return Light(order, w, rays.weight, rays.inside, rays.sequence, resolved)
+
+
+def morton(curve: Array) -> Array:
+    """Points (2, n) of the unit square at the places `curve` in [0, 1) of Morton's curve.
+
+    26 bits an axis: a cell of the curve is far below the single precision of Embree.
+    """
+    code = (curve * 2.0**52).astype(np.uint64)
+    return np.stack([_every_other_bit(code >> np.uint64(1)), _every_other_bit(code)]) * 2.0**-26
+
+
+def _every_other_bit(code: Array) -> Array:
+    for shift, mask in (
+        (0, 0x5555555555555555),
+        (1, 0x3333333333333333),
+        (2, 0x0F0F0F0F0F0F0F0F),
+        (4, 0x00FF00FF00FF00FF),
+        (8, 0x0000FFFF0000FFFF),
+        (16, 0x00000000FFFFFFFF),
+    ):
+        code = (code | (code >> np.uint64(shift))) & np.uint64(mask)
+    return code.astype(np.float64)
