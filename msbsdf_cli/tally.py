@@ -97,13 +97,13 @@ class Tally:
         self, order: int, side: int, w: Array, weight: Array | None, sequence: Array | None
     ) -> None:
         row = min(order, self.orders + 1) - 1
+        bins = lobe_bin(w)
         for views, power in ((self._sum, 1), (self._square, 2))[: 1 + self.independent]:
             share = None if weight is None else weight**power
             energy = w.shape[1] if share is None else share.sum()
             views["energy"][row, side] += energy
             views["side"][side] += energy
             views["moments"][row, side] += _moments(w, share, power)
-            bins = lobe_bin(w) if power == 1 else bins
             views["lobe"][row, side] += np.bincount(bins, share, THETA_BINS * PHI_BINS)
             if sequence is not None:
                 codes = np.where(order > self.orders, 0, sequence)

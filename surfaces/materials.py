@@ -33,11 +33,21 @@ class Scattered(NamedTuple):
 class Material(Protocol):
     """A facet's material."""
 
-    name: str
-    absorbs: bool
-    transmits: bool
-    channels: int
-    """Colours or wavelengths followed at once, with one weight each."""
+    @property
+    def name(self) -> str:
+        """As on the command line."""
+
+    @property
+    def absorbs(self) -> bool:
+        """Whether facets keep some of the energy."""
+
+    @property
+    def transmits(self) -> bool:
+        """Whether light goes through facets."""
+
+    @property
+    def channels(self) -> int:
+        """Colours or wavelengths followed at once, with one weight each."""
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
@@ -132,7 +142,18 @@ class Dielectric:
         return Scattered(scale * d + along_m * m, transmitted=transmitted)
 
 
-METALS: dict[str, tuple[float, float]] = {
-    "silver": (0.0571, 3.4706),
+METALS: dict[str, tuple[tuple[float, float], ...]] = {
+    "gold": ((0.21, 3.272), (0.43, 2.455), (1.31, 1.849)),
+    "silver": ((0.06, 4.152), (0.06, 3.586), (0.05, 2.869)),
+    "copper": ((0.30, 3.205), (1.02, 2.577), (1.25, 2.483)),
+    "aluminium": ((1.350, 7.371), (1.009, 6.611), (0.709, 5.712)),
+    "chromium": ((3.17, 3.30), (3.18, 3.33), (2.51, 3.24)),
 }
-"""placeholder"""
+"""Complex indices n + i k of metals at 617, 549 and 471 nm: red, green and blue.
+
+Gold, silver, copper: Johnson & Christy, Phys. Rev. B 6, 4370 (1972); chromium: Johnson & Christy,
+Phys. Rev. B 9, 5056 (1974); aluminium: Rakic, Appl. Opt. 34, 4755 (1995), interpolated linearly.
+"""
+
+GREEN = 1
+"""The channel that stands for all where only one is followed."""

@@ -60,3 +60,18 @@ def _cross(surface: Surface, o: Array, d: Array) -> tuple[Array, Array]:
     away[vertical] = np.sign(d[2, vertical])
     across[axis, lanes] = np.where(d[axis, lanes] > 0, 0, period)
     return across, away
+
+
+def meet(surface: Surface, o: Array, d: Array, triangle: Array) -> tuple[Array, Array, Array]:
+    """Where rays (3, n) meet the planes of their triangles (n,), in double precision.
+
+    Returns points (3, n) within one period, whether the upper side is met (n,), and the slopes
+    (2, n) of the planes, in the surface's coordinates.
+    """
+    offset, slope_u, slope_v = planes = surface.planes.take(triangle, axis=0).T
+    approach = d[2] - slope_u * d[0] - slope_v * d[1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = (offset + slope_u * o[0] + slope_v * o[1] - o[2]) / approach
+        point = o + distance * d
+    point[:2] %= surface.period
+    return point, approach < 0, planes[1:]

@@ -98,6 +98,18 @@ class Surface:
         return planes.reshape(-1, 3)
 
     @cached_property
+    def period_triangles(self) -> tuple[Array, Array]:
+        """Corners (corner, xyz, triangles) and planes (3, triangles) of one period's triangles."""
+        rows = len(self._grid) - 1
+        i, j = np.divmod(np.arange(rows * rows), rows)
+        within = (np.minimum(i, j) >= MARGIN) & (np.maximum(i, j) < rows - MARGIN)
+        chosen = np.repeat(within, 2)
+        vertex = self.faces(rows + 1)[chosen]
+        u, v = np.divmod(vertex, rows + 1)
+        corners = np.stack([u - MARGIN, v - MARGIN, self._grid.ravel()[vertex]])
+        return corners.transpose(2, 0, 1), self.planes[chosen].T
+
+    @cached_property
     def lift(self) -> float:
         """How far above its facet a ray starts again.
 

@@ -13,7 +13,7 @@ from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array
 from surfaces.light import Light, append_event
 from surfaces.materials import Material
-from surfaces.periodic import ESCAPED, LOST, next_triangle
+from surfaces.periodic import ESCAPED, LOST, meet, next_triangle
 from surfaces.surface import Surface
 
 BLOCK = 16384
@@ -89,35 +89,22 @@ class Tracer:
             yield self._leave(rays.compress(lost), order - 1, resolved=False)
         hit = triangle >= 0
         rays, triangle = rays.compress(hit), triangle.compress(hit)
-        if triangle.size:
-            yield from self._scatter(rays, triangle, order, rng, survivors)
-
-    def _scatter(
-        self,
-        rays: Rays,
-        triangle: Array,
-        order: int,
-        rng: np.random.Generator,
-        survivors: list[Rays],
-    ) -> Iterator[Light]:
-        offset, slope_u, slope_v = self.surface.planes.take(triangle, axis=0).T
-        o, d = rays.o, rays.d
-        approach = d[2] - slope_u * d[0] - slope_v * d[1]
-        facing = approach < 0 if rays.inside is None else (approach < 0) ^ rays.inside
+        point, upper, slopes = meet(self.surface, rays.o, rays.d, triangle)
+        facing = upper if rays.inside is None else upper ^ rays.inside
         if not facing.all():
             # The far side of a facet was met: the ray has leaked through the surface.
             yield self._leave(rays.compress(~facing), order - 1, resolved=False)
-            front, triangle = rays.compress(facing), triangle.compress(facing)
-            yield from self._scatter(front, triangle, order, rng, survivors)
-            return
-        distance = (offset + slope_u * o[0] + slope_v * o[1] - o[2]) / approach
-        point = o + distance * d
-        point[:2] %= self.surface.period
+            rays, point, slopes = rays.compress(facing), point[:, facing], slopes[:, facing]
+        if point.size:
+            survivors.append(self._scatter(rays, point, slopes, rng))
+
+    def _scatter(self, rays: Rays, point: Array, slopes: Array, rng: np.random.Generator) -> Rays:
         m = np.empty_like(point)
-        m[0], m[1], m[2] = -slope_u * self.scale[0], -slope_v * self.scale[1], 1
+        m[:2] = -slopes * self.scale[:2]
+        m[2] = 1
         if rays.inside is not None:
             m *= np.where(rays.inside, -1.0, 1.0)
-        travel, gain, transmitted = self.material.scatter(d / self.scale, m, rays.inside, rng)
+        travel, gain, transmitted = self.material.scatter(rays.d / self.scale, m, rays.inside, rng)
         after = Rays(point, travel * self.scale)
         lift: Array | float = self.surface.lift
         if gain is not None and rays.weight is not None:
@@ -127,7 +114,7 @@ class Tracer:
             after.sequence = append_event(rays.sequence, transmitted)
             lift = np.where(after.inside, -lift, lift)
         point[2] += lift
-        survivors.append(after)
+        return after
 
     def _leave(self, rays: Rays, order: int, resolved: bool = True) -> Light:
         w = rays.d / self.scale

@@ -19,8 +19,13 @@ SQRT_PI = float(np.sqrt(np.pi))
 class Slopes(Protocol):
     """A distribution of slopes with roughness `alpha_x`, `alpha_y`."""
 
-    alpha_x: float
-    alpha_y: float
+    @property
+    def alpha_x(self) -> float:
+        """Roughness along x."""
+
+    @property
+    def alpha_y(self) -> float:
+        """Roughness along y."""
 
     def D(self, m: Array) -> Array:
         """Distribution of normals over unit vectors (3, n), per steradian."""

@@ -1,0 +1,258 @@
+"""What the options of all commands mean: their types, defaults and refusals."""
+
+import math
+import os
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+Decorator = Callable[[Callable[..., None]], Callable[..., None]]
+
+
+class Roughness(click.ParamType):
+    """`A` or `AX,AY`, positive and finite."""
+
+    name = "A|AX,AY"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
+        if isinstance(value, tuple):
+            return value
+        alphas = _numbers(self, value, param, ctx)
+        if len(alphas) not in (1, 2) or not all(0 < a < math.inf for a in alphas):
+            self.fail(f"{value!r} is not a roughness: one or two numbers above 0.", param, ctx)
+        return alphas[0], alphas[-1]
+
+
+class Angles(click.ParamType):
+    """Angles in radians, or in degrees where a value ends in `deg`, separated by commas."""
+
+    name = "T[,T...]"
+
+    def __init__(self, low: float, high: float, where: str, count: int | None = None) -> None:
+        self.low, self.high, self.where, self.count = low, high, where, count
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        if isinstance(value, tuple):
+            return value
+        angles = []
+        for part in str(value).split(","):
+            text = part.strip()
+            factor = math.pi / 180 if text.endswith("deg") else 1.0
+            (number,) = _numbers(self, text.removesuffix("deg"), param, ctx)
+            angle = number * factor
+            if not self.low <= angle < self.high:
+                self.fail(f"{text!r} is not an angle {self.where}.", param, ctx)
+            angles.append(angle)
+        if self.count is not None and len(angles) != self.count:
+            self.fail(f"{value!r}: one angle is wanted.", param, ctx)
+        if len(set(angles)) < len(angles):
+            self.fail(f"{value!r} names an angle twice.", param, ctx)
+        return tuple(angles)
+
+
+class Count(click.ParamType):
+    """A whole number of at least `least`, also written `1e6`."""
+
+    name = "N"
+
+    def __init__(self, least: int = 1, even: bool = False) -> None:
+        self.least, self.even = least, even
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        try:
+            number = int(value)
+        except ValueError:
+            (real,) = _numbers(self, value, param, ctx, count=1)
+            if not math.isfinite(real) or real != int(real):
+                self.fail(f"{value!r} is not a whole number.", param, ctx)
+            number = int(real)
+        if number < self.least or (self.even and number % 2):
+            kind = "an even number" if self.even else "a whole number"
+            self.fail(f"{value} is too few: {kind} of at least {self.least}.", param, ctx) if (
+                number < self.least
+            ) else self.fail(f"{value} is odd: {kind} is wanted.", param, ctx)
+        return number
+
+
+class Real(click.ParamType):
+    """A finite number for which `holds` is true; `wanted` says so in words."""
+
+    name = "X"
+
+    def __init__(self, holds: Callable[[float], bool], wanted: str) -> None:
+        self.holds, self.wanted = holds, wanted
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        (number,) = _numbers(self, value, param, ctx, count=1)
+        if not (math.isfinite(number) and self.holds(number)):
+            self.fail(f"{value} is not {self.wanted}.", param, ctx)
+        return number
+
+
+class Numbers(click.ParamType):
+    """Numbers separated by commas, as many as `count` where it is given; `inf` is one."""
+
+    name = "X,X..."
+
+    def __init__(self, count: int | None = None) -> None:
+        self.count = count
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        if isinstance(value, tuple):
+            return value
+        return _numbers(self, value, param, ctx, self.count)
+
+
+def _numbers(
+    kind: click.ParamType,
+    value: Any,
+    param: click.Parameter | None,
+    ctx: click.Context | None,
+    count: int | None = None,
+) -> tuple[float, ...]:
+    try:
+        numbers = tuple(float(part) for part in str(value).split(","))
+    except ValueError:
+        kind.fail(f"{value!r} is not a number.", param, ctx)
+    if any(math.isnan(x) for x in numbers) or (count is not None and len(numbers) != count):
+        wanted = "a number" if count in (None, 1) else f"{count} numbers"
+        kind.fail(f"{value!r} is not {wanted}.", param, ctx)
+    return numbers
+
+
+METALS = ("gold", "silver", "copper", "aluminium", "chromium")
+
+_OPTIONS: dict[str, Any] = {
+    "material": dict(
+        type=click.Choice(["conductor", "diffuse", "dielectric"]),
+        default="conductor",
+        help="What the facets are made of.",
+    ),
+    "slopes": dict(
+        type=click.Choice(["beckmann", "ggx"]), default="beckmann", help="Slope distribution."
+    ),
+    "heights": dict(
+        type=click.Choice(["uniform", "gaussian"]),
+        default="gaussian",
+        help="Height distribution of the free paths; the BSDF does not depend on it.",
+    ),
+    "alpha": dict(type=Roughness(), default="0.5", help="Roughness, along x and y."),
+    "theta": dict(
+        type=Angles(0, math.pi / 2, "from 0 to below pi/2 (90deg)"),
+        default="0,0.5,1,1.5",
+        help="Incident polar angles in radians; a value may end in deg.",
+    ),
+    "phi": dict(
+        type=Angles(-math.inf, math.inf, "in radians", count=1),
+        default="0",
+        metavar="P",
+        help="Incident azimuth, likewise.",
+    ),
+    "ior": dict(
+        type=Real(lambda n: n > 0 and n != 1, "an index ratio: a number above 0 other than 1"),
+        default="1.5",
+        metavar="N",
+        help="Dielectric: index inside over index outside.",
+    ),
+    "metal": dict(
+        type=click.Choice(METALS), help="Conductor: Fresnel reflectance of this metal at 549 nm."
+    ),
+    "eta-k": dict(
+        type=Numbers(2), metavar="N,K", help="Conductor: Fresnel from the complex index N + iK."
+    ),
+    "albedo": dict(
+        type=Real(lambda a: 0 <= a <= 1, "an albedo: a number from 0 to 1"),
+        default="1",
+        metavar="A",
+        help="Diffuse facets.",
+    ),
+    "orders": dict(
+        type=click.IntRange(1, 10),
+        default=4,
+        metavar="K",
+        help="Bounces reported one by one; the later ones are summed.",
+    ),
+    "max-order": dict(
+        type=Count(),
+        default="10000",
+        metavar="N",
+        help="Facets after which light counts as unresolved.",
+    ),
+    "seed": dict(type=Count(0), default="0", help="Same seed, same options: the same numbers."),
+    "threads": dict(
+        type=Count(),
+        default=lambda: os.cpu_count() or 1,
+        help="Processes.",
+        show_default="all cores",
+    ),
+    "precision": dict(
+        type=click.Choice(["float64", "float32"]), default="float64", help="Of the model."
+    ),
+    "free-path-theta": dict(
+        type=Angles(0, math.pi, "from 0 to below pi"),
+        default="0.5,1.0,1.4,2.0",
+        help="Polar angles of travel for the free paths.",
+    ),
+    "free-path-height": dict(
+        type=Numbers(),
+        metavar="H[,H...]",
+        help="Heights that free paths start from, inf for outside; default -2,-1,0,1,2,inf.",
+    ),
+    "out": dict(type=click.Path(file_okay=False), metavar="DIR", help="Where the report goes."),
+    "force": dict(is_flag=True, help="Replace a report that is already there."),
+    "quiet": dict(is_flag=True, help="No progress and no table."),
+    "json": dict(is_flag=True, help="The summary as one JSON object on standard output."),
+}
+
+
+def use(*names: str, **overrides: Any) -> Decorator:
+    """Add the named options to a command, in this order; `overrides` replace defaults by name."""
+
+    def decorate(function: Callable[..., None]) -> Callable[..., None]:
+        for name in reversed(names):
+            settings = dict(_OPTIONS[name])
+            settings.setdefault("show_default", settings.get("default") is not None)
+            key = name.replace("-", "_")
+            if key in overrides:
+                settings["default"] = overrides[key]
+            parameter = "as_json" if name == "json" else key
+            function = click.option(f"--{name}", parameter, **settings)(function)
+        return function
+
+    return decorate
+
+
+MODEL = (
+    "material",
+    "slopes",
+    "heights",
+    "alpha",
+    "theta",
+    "phi",
+    "ior",
+    "metal",
+    "eta-k",
+    "albedo",
+)
+FREE_PATH = ("free-path-theta", "free-path-height")
+REPORT = ("out", "force", "quiet", "json")
+
+
+def samples(default: str) -> Decorator:
+    """The option --samples with a command's own default."""
+    return click.option(
+        "--samples",
+        type=Count(),
+        default=default,
+        show_default=True,
+        help="Rays or walks for each incident angle.",
+    )

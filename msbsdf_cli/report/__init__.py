@@ -1,0 +1,1 @@
+"""Reports: directories, tables and pictures; knows no physics."""

@@ -1,0 +1,123 @@
+"""A report's directory: written whole or not at all, never over somebody's files."""
+
+import csv
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+
+Table = dict[str, Sequence[Any]]
+"""Columns by name, all of one length."""
+
+RUN = "run.json"
+
+
+def refuse_existing(out: Path, force: bool) -> None:
+    """Refuse a directory that holds a report, unless forced, or anything else, even then.
+
+    Raises click.BadParameter.
+    """
+    if out.exists() and not out.is_dir():
+        raise click.BadParameter(f"{out} is a file; name a directory.", param_hint="--out")
+    if not out.is_dir() or not any(out.iterdir()):
+        return
+    if not (out / RUN).is_file():
+        raise click.BadParameter(
+            f"{out} holds files that are not a report; name another directory.",
+            param_hint="--out",
+        )
+    if not force:
+        raise click.BadParameter(
+            f"{out} already holds a report; name another directory, or replace it with --force.",
+            param_hint="--out",
+        )
+
+
+@contextmanager
+def new_report(out: Path) -> Iterator[Path]:
+    """A directory to write into, which becomes `out` when all is written, and vanishes otherwise.
+
+    A report that it replaces goes only then, and files in it that no report wrote are kept.
+    """
+    out.parent.mkdir(parents=True, exist_ok=True)
+    draft = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    try:
+        yield draft
+        draft.chmod(0o755)
+        written = sorted(str(p.relative_to(draft)) for p in draft.rglob("*") if p.is_file())
+        run = json.loads((draft / RUN).read_text())
+        (draft / RUN).write_text(json.dumps(run | {"files": written}, indent=1) + "\n")
+        if out.is_dir():
+            _replace(out, draft)
+        else:
+            os.rename(draft, out)
+    except BaseException:
+        shutil.rmtree(draft, ignore_errors=True)
+        raise
+
+
+def _replace(out: Path, draft: Path) -> None:
+    old = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent)) / "old"
+    os.rename(out, old)
+    os.rename(draft, out)
+    try:
+        known = set(json.loads((old / RUN).read_text()).get("files", []))
+    except (OSError, ValueError):
+        known = set()
+    for path in [p for p in old.rglob("*") if p.is_file()]:
+        name = path.relative_to(old)
+        if str(name) not in known and not (out / name).exists():
+            (out / name).parent.mkdir(parents=True, exist_ok=True)
+            os.rename(path, out / name)
+    shutil.rmtree(old.parent)
+
+
+def write_csv(path: Path, table: Table) -> None:
+    """Write columns under a header line; floats as their shortest exact text."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(table)
+        writer.writerows(zip(*table.values(), strict=True))
+
+
+def read_csv(path: Path, numbers: Sequence[str]) -> dict[str, list[Any]]:
+    """Columns by name, those of `numbers` as floats; more columns than asked for are taken too.
+
+    Raises click.ClickException for a file that is not such a table.
+    """
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        header, body = rows[0], rows[1:]
+        table: dict[str, list[Any]] = {
+            name: list(column) for name, column in zip(header, zip(*body, strict=True), strict=True)
+        }
+        for name in numbers:
+            table[name] = [float(x) for x in table[name]]
+    except (OSError, ValueError, IndexError, KeyError, UnicodeDecodeError) as error:
+        raise click.ClickException(
+            f"{path} is not a table of this program with the columns {', '.join(numbers)}: {error}."
+        ) from None
+    return table
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Write a JSON object."""
+    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def read_run(directory: Path) -> dict[str, Any]:
+    """The run.json of a report; click.ClickException if there is none."""
+    path = directory / RUN
+    try:
+        run: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        run["command"], run["options"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise click.ClickException(f"{directory} is not a report: {path}: {error}.") from None
+    return run

@@ -1,0 +1,60 @@
+"""A scene: facets, slopes, roughness and the light that comes in, as the options resolve it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from msbsdf_cli.smith.slopes import SLOPES, Slopes
+from surfaces.facet import Array
+from surfaces.materials import GREEN, METALS, Conductor, Dielectric, Diffuse, Material
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What two runs must share to be compared."""
+
+    material: str
+    alpha: tuple[float, float]
+    theta: tuple[float, ...]
+    """Incident polar angles in radians."""
+    phi: float
+    """Incident azimuth in radians."""
+    slopes: str = "beckmann"
+    ior: float = 1.5
+    eta_k: tuple[float, float] | None = None
+    albedo: float = 1.0
+    orders: int = 4
+
+    def facets(self) -> Material:
+        """The facets' material."""
+        if self.material == "conductor":
+            return Conductor(() if self.eta_k is None else (self.eta_k,))
+        if self.material == "diffuse":
+            return Diffuse((self.albedo,))
+        return Dielectric(self.ior)
+
+    def distribution(self) -> Slopes:
+        """The distribution of slopes."""
+        return SLOPES[self.slopes](*self.alpha)
+
+    def wi(self, theta: float, dtype: type = np.float64) -> Array:
+        """The incident direction (3,) of polar angle `theta`."""
+        return direction(theta, self.phi).astype(dtype)
+
+    def slug(self) -> str:
+        """The scene as a file name."""
+        alpha = "-".join(f"{a:g}" for a in dict.fromkeys(self.alpha))
+        return f"{self.material}-{self.slopes}-{alpha}"
+
+
+def direction(theta: float, phi: float) -> Array:
+    """Unit vector (3,) of polar angle and azimuth in radians."""
+    return np.array(
+        [math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta)]
+    )
+
+
+def metal_index(metal: str | None, eta_k: tuple[float, float] | None) -> tuple[float, float] | None:
+    """The complex index at 549 nm of a metal by name, or the one given."""
+    return METALS[metal][GREEN] if metal is not None else eta_k

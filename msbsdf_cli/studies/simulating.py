@@ -1,0 +1,171 @@
+"""Tracing light on realisations of an explicit surface for a scene."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from msbsdf_cli.parallel import Progress, in_order
+from msbsdf_cli.scene import Scene, direction
+from msbsdf_cli.studies.outcome import FreePaths, Outcome
+from msbsdf_cli.tally import Tally
+from surfaces.facet import Array
+from surfaces.free_path import next_heights
+from surfaces.heightfield import all_waves, some_waves, synthesise
+from surfaces.surface import Surface
+from surfaces.tracing import Tracer
+
+FREE_PATH_SHARE = 1 / 16
+"""Free paths of a row for each ray of an incident angle."""
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How finely and how often the surface is made."""
+
+    cells: int
+    """Mesh cells a correlation length."""
+    extent: int
+    """Period, in correlation lengths."""
+    realisations: int
+    waves: int | None = None
+    """Cosines summed; None: every wave of the period's lattice."""
+
+
+@dataclass(frozen=True)
+class SurfaceJob:
+    """Everything traced on realisation number `number`."""
+
+    scene: Scene
+    resolution: Resolution
+    number: int
+    rays: int
+    """Rays for each incident angle."""
+    free_path_theta: tuple[float, ...]
+    free_path_starts: tuple[float, ...]
+    free_path_edges: tuple[float, ...]
+    seed: int
+    max_order: int
+
+
+@dataclass
+class SurfaceResult:
+    """One unit for each incident angle, free paths, and what it took."""
+
+    tallies: list[Tally]
+    free_paths: Array
+    free_path_rays: int
+    rays: int
+    embree_s: float
+    seconds: float
+    trace_s: float
+    lost: int
+
+
+def make_surface(resolution: Resolution, number: int, seed: int) -> Surface:
+    """Realisation `number` of the surface; the same field for any number of cells."""
+    rng = np.random.Generator(np.random.SFC64([seed, number]))
+    if resolution.waves is None:
+        amplitudes = all_waves(resolution.extent, rng)
+    else:
+        amplitudes = some_waves(resolution.extent, resolution.waves, rng)
+    heights = synthesise(amplitudes, resolution.extent, resolution.cells)
+    return Surface(heights, resolution.cells)
+
+
+def simulate(
+    scene: Scene,
+    samples: int,
+    resolution: Resolution,
+    free_paths: FreePaths,
+    seed: int,
+    threads: int,
+    max_order: int,
+    quiet: bool,
+) -> Outcome:
+    """`samples` rays for each incident angle, spread over the realisations.
+
+    The numbers depend on `seed` and not on `threads`.
+    """
+    started = time.monotonic()
+    rays = -(-samples // resolution.realisations)
+    jobs = (
+        SurfaceJob(
+            scene,
+            resolution,
+            number,
+            rays,
+            free_paths.theta,
+            free_paths.starts,
+            tuple(free_paths.edges),
+            seed,
+            max_order,
+        )
+        for number in range(resolution.realisations)
+    )
+    tallies = [Tally(scene.orders) for _ in scene.theta]
+    outcome = Outcome(tallies, free_paths)
+    totals = {"rays": 0.0, "embree_s": 0.0, "trace_s": 0.0, "surface_s": 0.0, "lost": 0.0}
+    total = rays * resolution.realisations * len(scene.theta)
+    with Progress("simulate", total, "rays", quiet) as progress:
+        for result in in_order(trace_surface, jobs, threads):
+            for tally, unit in zip(tallies, result.tallies, strict=True):
+                tally.merge(unit)
+            free_paths.add_unit(result.free_paths, result.free_path_rays)
+            totals["rays"] += result.rays
+            totals["embree_s"] += result.embree_s
+            totals["trace_s"] += result.trace_s
+            totals["surface_s"] += result.seconds - result.trace_s
+            totals["lost"] += result.lost
+            progress.advance(rays * len(scene.theta))
+    outcome.notes = totals
+    outcome.wall_s = time.monotonic() - started
+    return outcome
+
+
+def trace_surface(job: SurfaceJob) -> SurfaceResult:
+    """Make one surface and trace all incident angles and free paths on it."""
+    started = time.perf_counter()
+    scene = job.scene
+    surface = make_surface(job.resolution, job.number, job.seed)
+    surface.query(np.zeros((3, 1)), np.ones((3, 1)))  # Embree builds in its first call.
+    ready = time.perf_counter()
+    surface.rays, surface.embree_s = 0, 0.0
+    tracer = Tracer(surface, *scene.alpha, scene.facets())
+    units = []
+    for i, theta in enumerate(scene.theta):
+        rng = np.random.Generator(np.random.SFC64([job.seed, job.number, 1 + i]))
+        tally = Tally(scene.orders, independent=False)
+        for light in tracer.trace(scene.wi(theta), job.rays, rng, job.max_order):
+            tally.add(light)
+        units.append(tally.as_unit())
+    traced = time.perf_counter()
+    rays, embree_s = surface.rays, surface.embree_s
+    n = max(round(job.rays * FREE_PATH_SHARE), 1)
+    shares, lost = _free_paths(job, tracer, n)
+    return SurfaceResult(
+        units,
+        shares,
+        n,
+        rays,
+        embree_s,
+        traced - started,
+        traced - ready,
+        lost,
+    )
+
+
+def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, int]:
+    rng = np.random.Generator(np.random.SFC64([job.seed, job.number, 0]))
+    edges = np.array(job.free_path_edges)
+    shares = np.zeros((len(job.free_path_theta), len(job.free_path_starts), edges.size))
+    lost = 0
+    for i, theta in enumerate(job.free_path_theta):
+        d = direction(theta, job.scene.phi)
+        for j, start in enumerate(job.free_path_starts):
+            heights, escaped, gone = next_heights(tracer.surface, tracer.scale, d, start, n, rng)
+            shares[i, j, :-1] = np.histogram(heights, edges)[0]
+            shares[i, j, -1] = escaped
+            shares[i, j] /= max(heights.size + escaped, 1)
+            lost += gone
+    return shares, lost
