@@ -71,11 +71,10 @@ class Count(click.ParamType):
             if not math.isfinite(real) or real != int(real):
                 self.fail(f"{value!r} is not a whole number.", param, ctx)
             number = int(real)
-        if number < self.least or (self.even and number % 2):
-            kind = "an even number" if self.even else "a whole number"
-            self.fail(f"{value} is too few: {kind} of at least {self.least}.", param, ctx) if (
-                number < self.least
-            ) else self.fail(f"{value} is odd: {kind} is wanted.", param, ctx)
+        if number < self.least:
+            self.fail(f"{value} is too few: at least {self.least} are wanted.", param, ctx)
+        if self.even and number % 2:
+            self.fail(f"{value} is odd: an even number is wanted.", param, ctx)
         return number
 
 
@@ -140,6 +139,11 @@ _OPTIONS: dict[str, Any] = {
     "slopes": dict(
         type=click.Choice(["beckmann", "ggx"]), default="beckmann", help="Slope distribution."
     ),
+    "surface-slopes": dict(
+        type=click.Choice(["beckmann"]),
+        default="beckmann",
+        help="Slope distribution: a sum of many waves is Beckmann.",
+    ),
     "heights": dict(
         type=click.Choice(["uniform", "gaussian"]),
         default="gaussian",
@@ -181,6 +185,27 @@ _OPTIONS: dict[str, Any] = {
         metavar="K",
         help="Bounces reported one by one; the later ones are summed.",
     ),
+    "accuracy": dict(
+        type=Real(lambda a: 0 < a < 1, "an accuracy: a number between 0 and 1"),
+        default="0.002",
+        metavar="E",
+        help="Wanted standard error of each order's energy; decides what is not given of these:",
+    ),
+    "cells": dict(
+        type=Count(4, even=True), metavar="N", help="Mesh cells a correlation length, even."
+    ),
+    "extent": dict(type=Count(4), metavar="N", help="Period in correlation lengths."),
+    "realisations": dict(type=Count(2), metavar="N", help="Independent surfaces."),
+    "waves": dict(
+        type=Count(),
+        metavar="N",
+        help="Cosines summed to a surface; default: every wave of the period.",
+    ),
+    "mesh": dict(
+        type=click.Path(dir_okay=False),
+        metavar="FILE",
+        help="Save the first surface: .ply, .obj, .stl, .off or .glb.",
+    ),
     "max-order": dict(
         type=Count(),
         default="10000",
@@ -214,18 +239,16 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
-def use(*names: str, **overrides: Any) -> Decorator:
-    """Add the named options to a command, in this order; `overrides` replace defaults by name."""
+def use(*names: str) -> Decorator:
+    """Add the named options to a command, in this order."""
 
     def decorate(function: Callable[..., None]) -> Callable[..., None]:
         for name in reversed(names):
             settings = dict(_OPTIONS[name])
             settings.setdefault("show_default", settings.get("default") is not None)
-            key = name.replace("-", "_")
-            if key in overrides:
-                settings["default"] = overrides[key]
-            parameter = "as_json" if name == "json" else key
-            function = click.option(f"--{name}", parameter, **settings)(function)
+            flag = {"surface-slopes": "slopes"}.get(name, name)
+            parameter = "as_json" if name == "json" else flag.replace("-", "_")
+            function = click.option(f"--{flag}", parameter, **settings)(function)
         return function
 
     return decorate
@@ -243,6 +266,8 @@ MODEL = (
     "eta-k",
     "albedo",
 )
+MODEL_OF_SURFACES = ("material", "surface-slopes", *MODEL[3:])
+RESOLUTION = ("accuracy", "cells", "extent", "realisations", "waves")
 FREE_PATH = ("free-path-theta", "free-path-height")
 REPORT = ("out", "force", "quiet", "json")
 

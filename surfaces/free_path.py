@@ -5,6 +5,8 @@ direction of travel. Where a plane crosses a height, that part is a line, and it
 line's length over the slope: no band of heights is needed, and none biases the result.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from surfaces.facet import Array
@@ -13,22 +15,33 @@ from surfaces.surface import Surface
 from surfaces.tracing import BLOCK, morton
 
 
+class FreePaths(NamedTuple):
+    """Where rays from one height, in one direction, met the surface again."""
+
+    heights: Array
+    """Heights of the facets met."""
+    escaped: int
+    lost: int
+    weight: float
+    """Measure of the points of departure; 0 where no point of that height faces the direction."""
+
+
 def next_heights(
     surface: Surface, scale: Array, d: Array, start: float, n: int, rng: np.random.Generator
-) -> tuple[Array, int, int]:
+) -> FreePaths:
     """Heights of the facets that `n` rays in direction `d` (3,) meet next.
 
     `scale` (3, 1) is `Surface.stretch` of the roughness. `start` is the height of departure, or
-    infinite for rays that arrive from outside. Returns the heights met, the number of rays that
-    escaped, and the number lost; all are 0 where no point of that height faces `d`.
+    infinite for rays that arrive from outside.
     """
     travel = d[:, None] * scale
     if np.isinf(start):
         origins = np.empty((3, n))
         origins[:2] = morton((np.arange(n) + rng.random(n)) / n) * surface.period
         origins[2] = surface.top
+        weight = 1.0
     else:
-        origins = level_points(surface, start, travel, n, rng)
+        origins, weight = level_points(surface, start, travel, n, rng)
     heights, escaped, lost = [np.zeros(0)], 0, 0
     for first in range(0, origins.shape[1], BLOCK):
         o = origins[:, first : first + BLOCK].copy()
@@ -39,20 +52,20 @@ def next_heights(
         heights.append(point[2, facing])
         escaped += int(np.count_nonzero(triangle == ESCAPED))
         lost += int(np.count_nonzero(~facing) + np.count_nonzero(triangle < ESCAPED))
-    return np.concatenate(heights), escaped, lost
+    return FreePaths(np.concatenate(heights), escaped, lost, weight)
 
 
 def level_points(
     surface: Surface, height: float, d: Array, n: int, rng: np.random.Generator
-) -> Array:
-    """`n` points (3, n), lifted off the surface, of that height, on facets that face away from
-    the surface along `d` (3, 1); none, where there is no such facet."""
+) -> tuple[Array, float]:
+    """`n` points (3, n), lifted off the surface, of that height, on facets that face along `d`
+    (3, 1), and their measure; none, where there is no such facet."""
     corners, planes = surface.period_triangles
     z = corners[:, 2]
     facing = planes[1] * d[0] + planes[2] * d[1] < d[2]
     crossing = np.flatnonzero(facing & (z.min(axis=0) < height) & (height < z.max(axis=0)))
     if crossing.size == 0:
-        return np.empty((3, 0))
+        return np.empty((3, 0)), 0.0
     ends = _segment(corners[..., crossing], height)
     length = np.hypot(*(ends[1] - ends[0]))
     slope = np.hypot(*planes[1:, crossing])
@@ -63,7 +76,7 @@ def level_points(
     points = np.empty((3, n))
     points[:2] = ends[0][:, chosen] * (1 - part) + ends[1][:, chosen] * part
     points[2] = height + surface.lift
-    return points
+    return points, float(total[-1])
 
 
 def _segment(corners: Array, height: float) -> tuple[Array, Array]:

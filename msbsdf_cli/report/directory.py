@@ -5,14 +5,14 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
-Table = dict[str, Sequence[Any]]
+Table = Mapping[str, Sequence[Any]]
 """Columns by name, all of one length."""
 
 RUN = "run.json"

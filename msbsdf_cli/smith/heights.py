@@ -20,7 +20,7 @@ class Heights(Protocol):
     def edges(self) -> Array:
         """Edges of bins for heights, from -inf to inf."""
 
-    def t(self, h: Array) -> Array:
+    def t(self, h: Array | float) -> Array:
         """-ln C1(h): infinite below the surface, 0 above it."""
 
 
@@ -31,7 +31,7 @@ class Uniform:
     starts = (-0.8, -0.4, 0.0, 0.4, 0.8, np.inf)
     edges = np.concatenate([[-np.inf], np.linspace(-1, 1, 33), [np.inf]])
 
-    def t(self, h: Array) -> Array:
+    def t(self, h: Array | float) -> Array:
         with np.errstate(divide="ignore"):
             return -np.log(np.clip((h + 1) / 2, 0, 1))
 
@@ -43,7 +43,7 @@ class Gaussian:
     starts = (-2.0, -1.0, 0.0, 1.0, 2.0, np.inf)
     edges = np.concatenate([[-np.inf], np.linspace(-4, 4, 33), [np.inf]])
 
-    def t(self, h: Array) -> Array:
+    def t(self, h: Array | float) -> Array:
         return -log_ndtr(h)
 
 

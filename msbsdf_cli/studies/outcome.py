@@ -19,26 +19,41 @@ class FreePaths:
     edges: Array
     """Edges (bins + 1,) of the height bins."""
     sums: Array = field(init=False)
-    """Sum and sum of squares over units, (2, theta, starts, bins + 1); last bin: escaped."""
-    units: int = 0
+    """Sums over units of W x, W^2 x, W^2 x^2, (3, theta, starts, bins + 1), where x is the share of
+    rays in a bin, the last bin for those that escaped, and W the weight of the unit."""
+    weights: Array = field(init=False)
+    """Sums over units of W and W^2, (2, theta, starts)."""
+    units: Array = field(init=False)
+    """Units with a weight, (theta, starts)."""
     rays: int = 0
     """Rays of each row."""
 
     def __post_init__(self) -> None:
-        shape = (len(self.theta), len(self.starts), len(self.edges))
-        self.sums = np.zeros((2, *shape))
+        rows = len(self.theta), len(self.starts)
+        self.sums = np.zeros((3, *rows, len(self.edges)))
+        self.weights = np.zeros((2, *rows))
+        self.units = np.zeros(rows, int)
 
-    def add_unit(self, share: Array, rays: int) -> None:
-        """Take in one unit's shares (theta, starts, bins + 1) of `rays` rays each."""
-        self.sums += share, share * share
-        self.units += 1
+    def add_unit(self, share: Array, weight: Array, rays: int) -> None:
+        """Take in one unit: shares (theta, starts, bins + 1) of `rays` rays a row, and weights
+        (theta, starts), in proportion to the points that the rays stand for; 0 where none."""
+        w = weight[..., None]
+        self.sums += w * share, w**2 * share, w**2 * share**2
+        self.weights += weight, weight**2
+        self.units += weight > 0
         self.rays += rays
 
     def estimate(self) -> Estimate:
-        """Probabilities (theta, starts, bins + 1) and their standard errors."""
-        mean, square = self.sums / self.units
-        spread = np.maximum(square - mean * mean, 0)
-        return Estimate(mean, np.sqrt(spread / (self.units - 1) + 1 / self.rays**2))
+        """Probabilities (theta, starts, bins + 1) and standard errors, those of a ratio of means;
+        not a number for rows with fewer than two units."""
+        first, linear, square = self.sums
+        total, total2 = self.weights[..., None]
+        units = self.units[..., None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            mean = first / total
+            spread = np.maximum(square - 2 * mean * linear + mean**2 * total2, 0) / total**2
+            stderr = np.sqrt(spread * units / (units - 1) + 1 / self.rays**2)
+        return Estimate(mean, np.where(units > 1, stderr, np.nan))
 
 
 @dataclass

@@ -54,12 +54,16 @@ class SurfaceResult:
 
     tallies: list[Tally]
     free_paths: Array
+    free_path_weights: Array
     free_path_rays: int
+    """Free paths of each row."""
     rays: int
+    """Rays asked of Embree for the incident light."""
     embree_s: float
-    seconds: float
+    surface_s: float
+    """Seconds for making the surface and its Embree scene."""
     trace_s: float
-    lost: int
+    free_paths_lost: int
 
 
 def make_surface(resolution: Resolution, number: int, seed: int) -> Surface:
@@ -105,20 +109,17 @@ def simulate(
     )
     tallies = [Tally(scene.orders) for _ in scene.theta]
     outcome = Outcome(tallies, free_paths)
-    totals = {"rays": 0.0, "embree_s": 0.0, "trace_s": 0.0, "surface_s": 0.0, "lost": 0.0}
+    notes = dict.fromkeys(("embree_s", "surface_s", "trace_s", "rays", "free_paths_lost"), 0.0)
     total = rays * resolution.realisations * len(scene.theta)
     with Progress("simulate", total, "rays", quiet) as progress:
         for result in in_order(trace_surface, jobs, threads):
             for tally, unit in zip(tallies, result.tallies, strict=True):
                 tally.merge(unit)
-            free_paths.add_unit(result.free_paths, result.free_path_rays)
-            totals["rays"] += result.rays
-            totals["embree_s"] += result.embree_s
-            totals["trace_s"] += result.trace_s
-            totals["surface_s"] += result.seconds - result.trace_s
-            totals["lost"] += result.lost
+            free_paths.add_unit(result.free_paths, result.free_path_weights, result.free_path_rays)
+            for name in notes:
+                notes[name] += getattr(result, name)
             progress.advance(rays * len(scene.theta))
-    outcome.notes = totals
+    outcome.notes = notes
     outcome.wall_s = time.monotonic() - started
     return outcome
 
@@ -142,30 +143,25 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     traced = time.perf_counter()
     rays, embree_s = surface.rays, surface.embree_s
     n = max(round(job.rays * FREE_PATH_SHARE), 1)
-    shares, lost = _free_paths(job, tracer, n)
+    shares, weights, lost = _free_paths(job, tracer, n)
     return SurfaceResult(
-        units,
-        shares,
-        n,
-        rays,
-        embree_s,
-        traced - started,
-        traced - ready,
-        lost,
+        units, shares, weights, n, rays, embree_s, ready - started, traced - ready, lost
     )
 
 
-def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, int]:
+def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, int]:
+    """Shares (theta, starts, bins + 1), weights (theta, starts), and rays lost."""
     rng = np.random.Generator(np.random.SFC64([job.seed, job.number, 0]))
     edges = np.array(job.free_path_edges)
-    shares = np.zeros((len(job.free_path_theta), len(job.free_path_starts), edges.size))
-    lost = 0
+    rows = len(job.free_path_theta), len(job.free_path_starts)
+    shares, weights, lost = np.zeros((*rows, edges.size)), np.zeros(rows), 0
     for i, theta in enumerate(job.free_path_theta):
         d = direction(theta, job.scene.phi)
         for j, start in enumerate(job.free_path_starts):
-            heights, escaped, gone = next_heights(tracer.surface, tracer.scale, d, start, n, rng)
-            shares[i, j, :-1] = np.histogram(heights, edges)[0]
-            shares[i, j, -1] = escaped
-            shares[i, j] /= max(heights.size + escaped, 1)
-            lost += gone
-    return shares, lost
+            paths = next_heights(tracer.surface, tracer.scale, d, start, n, rng)
+            shares[i, j, :-1] = np.histogram(paths.heights, edges)[0]
+            shares[i, j, -1] = paths.escaped
+            shares[i, j] /= max(paths.heights.size + paths.escaped, 1)
+            weights[i, j] = paths.weight
+            lost += paths.lost
+    return shares, weights, lost

@@ -91,6 +91,7 @@ def walk_free_paths(
     edges = heights.t(free_paths.edges)[::-1]
     n = -(-min(samples, WALKS) // FREE_PATH_UNITS)
     shape = free_paths.sums.shape[1:]
+    weight = np.ones(shape[:2])
     for _ in range(FREE_PATH_UNITS):
         share = np.zeros(shape)
         for i, theta in enumerate(free_paths.theta):
@@ -98,7 +99,7 @@ def walk_free_paths(
             sigma = slopes.sigma(d)
             for j, start in enumerate(free_paths.starts):
                 share[i, j] = _shares(heights.t(np.array(start)), d, sigma, edges, n, rng)
-        free_paths.add_unit(share, n)
+        free_paths.add_unit(share, weight, n)
 
 
 def _shares(

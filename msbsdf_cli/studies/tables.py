@@ -8,6 +8,7 @@ from msbsdf_cli.report.directory import Table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.outcome import FreePaths, Outcome
 from msbsdf_cli.tally import MOMENTS, SIDES, lobe_axes, sequence_names
+from surfaces.facet import Array
 
 
 def order_names(orders: int) -> list[str]:
@@ -26,6 +27,11 @@ def _append(table: dict[str, list[float | str]], *row: float | str) -> None:
 
 def _sides(scene: Scene) -> tuple[str, ...]:
     return SIDES if scene.facets().transmits else SIDES[:1]
+
+
+def _short(values: Array) -> list[float]:
+    """The digits of a single-precision number, which halves the longest table."""
+    return [float(f"{v:.9g}") for v in values]
 
 
 def energy(scene: Scene, outcome: Outcome) -> Table:
@@ -90,8 +96,8 @@ def lobe(scene: Scene, outcome: Outcome) -> Table:
                         polar_o[filled].tolist(),
                         phi_o[filled].tolist(),
                         solid[filled].tolist(),
-                        (values / solid)[filled].tolist(),
-                        (estimate.stderr[row, column] / solid)[filled].tolist(),
+                        _short((values / solid)[filled]),
+                        _short((estimate.stderr[row, column] / solid)[filled]),
                     ),
                     strict=True,
                 ):
@@ -113,7 +119,7 @@ def sequence(scene: Scene, outcome: Outcome) -> Table:
 
 
 def free_path(scene: Scene, free_paths: FreePaths) -> Table:
-    """free_path.csv"""
+    """free_path.csv, without rows that fewer than two surfaces had points for."""
     table = _columns(
         "theta_r_rad",
         "phi_r_rad",
@@ -128,6 +134,8 @@ def free_path(scene: Scene, free_paths: FreePaths) -> Table:
     high = [*free_paths.edges[1:].tolist(), math.inf]
     for i, theta in enumerate(free_paths.theta):
         for j, start in enumerate(free_paths.starts):
+            if np.isnan(estimate.stderr[i, j]).any():
+                continue
             values = estimate.value[i, j].tolist(), estimate.stderr[i, j].tolist()
             for row in zip(low, high, *values, strict=True):
                 _append(table, theta, scene.phi, start, *row)

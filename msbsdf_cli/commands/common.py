@@ -1,0 +1,99 @@
+"""What the commands share: the scene from the options, warnings, and where reports go."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from msbsdf_cli.scene import Scene, metal_index
+from msbsdf_cli.smith.heights import HEIGHTS
+from msbsdf_cli.studies.outcome import FreePaths
+
+WALKS_PER_S = 5e6
+RAYS_PER_S = 1e6
+TRIANGLES_PER_S = 1e6
+"""Rough rates of one core, for telling beforehand what takes long."""
+
+LONG_S = 600
+
+
+def scene_from(options: dict[str, Any]) -> Scene:
+    """The scene that options describe. Raises click.UsageError for a metal given twice."""
+    if options["metal"] is not None and options["eta_k"] is not None:
+        raise click.UsageError("--metal and --eta-k both give the metal's index; give one of them.")
+    index = metal_index(options["metal"], options["eta_k"])
+    if index is not None and not index[0] > 0 <= index[1]:
+        raise click.BadParameter(
+            f"{index[0]:g},{index[1]:g} is not a metal's index: N above 0, K 0 or more.",
+            param_hint="--eta-k",
+        )
+    return Scene(
+        material=options["material"],
+        alpha=options["alpha"],
+        theta=options["theta"],
+        phi=options["phi"][0],
+        slopes=options["slopes"],
+        ior=options["ior"],
+        eta_k=index if options["material"] == "conductor" else None,
+        albedo=options["albedo"],
+        orders=options["orders"],
+    )
+
+
+def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
+    """Empty free paths of the wanted directions and heights of start.
+
+    Raises click.BadParameter for a height at which there is no surface.
+    """
+    distribution = HEIGHTS[heights]
+    starts = options["free_path_height"] or distribution.starts
+    for start in starts:
+        if distribution.t(start) == float("inf"):
+            raise click.BadParameter(
+                f"{start:g} is below all of the surface, whose heights are {heights}.",
+                param_hint="--free-path-height",
+            )
+    return FreePaths(options["free_path_theta"], starts, distribution.edges)
+
+
+def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
+    """Sentences on what is allowed but has no effect, or costs accuracy or hours; `work_s` is
+    about how many seconds one core will need."""
+    warnings = []
+    given = click.get_current_context().get_parameter_source
+    belongs = {"metal": "conductor", "eta_k": "conductor", "albedo": "diffuse", "ior": "dielectric"}
+    for name, material in belongs.items():
+        explicit = given(name) is click.core.ParameterSource.COMMANDLINE
+        if explicit and options["material"] != material:
+            warnings.append(
+                f"--{name.replace('_', '-')} has no effect: it is for --material {material}, "
+                f"and this is {options['material']}."
+            )
+    roughest = max(options["alpha"])
+    if roughest > 5:
+        warnings.append(
+            f"alpha {roughest:g} is rougher than surfaces are: light takes many bounces, "
+            "and the run takes long."
+        )
+    expected = work_s / options["threads"]
+    if expected > LONG_S:
+        warnings.append(f"this will take about {duration(expected)}; fewer --samples take less.")
+    return warnings
+
+
+def announce(warnings: list[str]) -> None:
+    """Say the warnings on standard error."""
+    for sentence in warnings:
+        click.echo(f"Warning: {sentence}", err=True)
+
+
+def out_directory(command: str, slug: str, out: str | None) -> Path:
+    """Where the report goes."""
+    return Path(out) if out else Path("reports") / f"{command}-{slug}"
+
+
+def duration(seconds: float) -> str:
+    """About how long, in words."""
+    if seconds > 2 * 86400:
+        return f"{seconds / 86400:.3g} days"
+    return f"{seconds / 3600:.1f} hours" if seconds > 7200 else f"{seconds / 60:.0f} minutes"

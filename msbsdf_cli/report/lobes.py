@@ -1,0 +1,220 @@
+"""Pictures of lobes, from lobe.csv and energy.csv: the plane of incidence and hemisphere maps."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import PowerNorm, SymLogNorm
+
+from msbsdf_cli.report.directory import read_csv
+from msbsdf_cli.report.style import order_colour, save
+from msbsdf_cli.tally import PHI_BINS, SIDES, THETA_BINS, lobe_axes
+from surfaces.facet import Array
+
+PIXELS = 181
+"""Of a hemisphere map, each way."""
+
+
+@dataclass
+class Lobes:
+    """Densities and standard errors (theta, order, side, theta bin, phi bin), per steradian."""
+
+    theta: list[float]
+    phi: float
+    orders: list[str]
+    density: Array
+    stderr: Array
+    energy: Array
+    """Energy of each side, (theta, side)."""
+
+    @property
+    def transmits(self) -> bool:
+        """Whether anything is on the far side."""
+        return bool(self.energy[:, 1].any())
+
+
+def load_lobes(directory: Path) -> Lobes:
+    """The lobes of a report; raises click.ClickException for a file that is not one."""
+    energy = read_csv(directory / "energy.csv", ("theta_i_rad", "phi_i_rad", "energy"))
+    theta = list(dict.fromkeys(energy["theta_i_rad"]))
+    orders = [o for o in dict.fromkeys(energy["order"]) if o != "all"]
+    numbers = ("theta_i_rad", "theta_o_rad", "phi_o_rad", "density_per_sr", "stderr_per_sr")
+    table = read_csv(directory / "lobe.csv", numbers)
+    shape = (len(theta), len(orders), 2, THETA_BINS, PHI_BINS)
+    lobes = Lobes(
+        theta, energy["phi_i_rad"][0], orders, np.zeros(shape), np.zeros(shape), np.zeros(0)
+    )
+    polar = np.array(table["theta_o_rad"])
+    polar = np.minimum(polar, np.pi - polar)
+    place = (
+        [theta.index(t) for t in table["theta_i_rad"]],
+        [orders.index(o) for o in table["order"]],
+        [SIDES.index(s) for s in table["side"]],
+        (polar / (np.pi / 2) * THETA_BINS).astype(int),
+        np.rint(np.array(table["phi_o_rad"]) / (2 * np.pi) * PHI_BINS).astype(int),
+    )
+    lobes.density[place] = table["density_per_sr"]
+    lobes.stderr[place] = table["stderr_per_sr"]
+    lobes.energy = np.zeros((len(theta), 2))
+    rows = zip(energy["theta_i_rad"], energy["side"], energy["energy"], strict=True)
+    for t, side, value in rows:
+        if side in SIDES:
+            lobes.energy[theta.index(t), SIDES.index(side)] += value
+    return lobes
+
+
+def draw_lobes(directory: Path) -> None:
+    """lobes.png of one run: plane of incidence, and a map for each order."""
+    lobes = load_lobes(directory)
+    columns = 1 + len(lobes.orders)
+    for side in range(1 + lobes.transmits):
+        figure, axes = _grid(len(lobes.theta), columns)
+        for row, theta in enumerate(lobes.theta):
+            draw_slice(axes[row, 0], lobes, row, side)
+            for i, order in enumerate(lobes.orders):
+                density = lobes.density[row, i, side]
+                _map(axes[row, 1 + i], density, density.max())
+                energy = (density * lobe_axes()[2][:, None]).sum()
+                axes[row, 1 + i].set_title(f"order {order}   E = {energy:.4f}")
+            axes[row, 0].set_title(_title(theta, lobes, row, side))
+        axes[0, 0].legend()
+        save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
+
+
+def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> None:
+    """lobes.png: all orders together, and a page for each angle with a map for each order."""
+    ours, theirs = load_lobes(simulated), load_lobes(modelled)
+    for side in range(1 + ours.transmits):
+        figure, axes = _grid(len(ours.theta), 4)
+        for row, theta in enumerate(ours.theta):
+            draw_slice(axes[row, 0], ours, row, side, theirs)
+            total = ours.density[row, :, side].sum(axis=0), theirs.density[row, :, side].sum(axis=0)
+            _map_trio(axes[row, 1:], *total, side, ours.energy[row, side], theirs.energy[row, side])
+            axes[row, 0].set_title(_title(theta, ours, row, side))
+        axes[0, 0].legend(handles=_legend(ours.orders))
+        save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
+    for row, theta in enumerate(ours.theta):
+        _draw_orders(ours, theirs, row, directory / f"lobes_theta_{theta:.4g}.png")
+
+
+def _draw_orders(ours: Lobes, theirs: Lobes, row: int, path: Path) -> None:
+    sides = range(1 + ours.transmits)
+    figure, axes = _grid(len(ours.orders) * len(sides), 4)
+    solid_angle = lobe_axes()[2][:, None]
+    for side in sides:
+        for i, order in enumerate(ours.orders):
+            line = axes[side * len(ours.orders) + i]
+            pair = ours.density[row, i, side], theirs.density[row, i, side]
+            draw_slice(line[0], ours, row, side, theirs, only=i)
+            line[0].set_title(f"order {order}, {SIDES[side]}, per steradian")
+            energies = [(density * solid_angle).sum() for density in pair]
+            _map_trio(line[1:], *pair, side, *energies)
+    figure.suptitle(f"Incident at theta = {ours.theta[row]:.4g} rad")
+    save(figure, path)
+
+
+def draw_slice(
+    axis: Any,
+    lobes: Lobes,
+    row: int,
+    side: int,
+    model: Lobes | None = None,
+    only: int | None = None,
+) -> None:
+    """Density in the plane of incidence, order by order: points with error bars where a model's
+    lines go with them."""
+    polar, azimuth, _ = lobe_axes()
+    forward = int(np.argmin(np.abs(np.angle(np.exp(1j * (azimuth - lobes.phi - np.pi))))))
+    backward = (forward + PHI_BINS // 2) % PHI_BINS
+    angle = np.degrees(np.concatenate([-polar[::-1], polar]))
+
+    def plane(values: Array) -> Array:
+        return np.concatenate([values[::-1, backward], values[:, forward]])
+
+    for i in range(len(lobes.orders)) if only is None else (only,):
+        density = plane(lobes.density[row, i, side])
+        stderr = plane(lobes.stderr[row, i, side])
+        label, colour = lobes.orders[i], order_colour(i)
+        if model is None:
+            axis.plot(angle, density, color=colour, label=f"order {label}")
+            axis.fill_between(angle, density - stderr, density + stderr, color=colour, alpha=0.25)
+        else:
+            axis.errorbar(angle, density, stderr, fmt="o", ms=1.8, lw=0.7, color=colour)
+            axis.plot(angle, plane(model.density[row, i, side]), color=colour, lw=0.9)
+    axis.set_xlim(-90, 90)
+    axis.set_ylim(bottom=0)
+    axis.set_xticks([-90, -45, 0, 45, 90])
+    axis.set_xlabel("theta_o in the plane of incidence, degrees")
+
+
+def _legend(orders: list[str]) -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], color=order_colour(i), label=f"order {o}") for i, o in enumerate(orders)
+    ]
+    handles.append(Line2D([], [], color="0.3", marker="o", ms=2, ls="", label="simulated"))
+    handles.append(Line2D([], [], color="0.3", label="modelled"))
+    return handles
+
+
+def _title(theta: float, lobes: Lobes, row: int, side: int) -> str:
+    name = "E_t" if side else "E_r"
+    return f"theta_i = {theta:.4g}   {name} = {lobes.energy[row, side]:.4f}   per steradian"
+
+
+def _grid(rows: int, columns: int) -> tuple[Any, Any]:
+    figure, axes = plt.subplots(
+        rows,
+        columns,
+        figsize=(2.6 + 1.75 * (columns - 1), 1.95 * rows + 0.2),
+        squeeze=False,
+        width_ratios=[1.6] + [1] * (columns - 1),
+    )
+    return figure, axes
+
+
+def _map_trio(
+    axes: Any, simulated: Array, modelled: Array, side: int, e_simulated: float, e_modelled: float
+) -> None:
+    top = max(simulated.max(), modelled.max())
+    name = "E_t" if side else "E_r"
+    _map(axes[0], simulated, top)
+    axes[0].set_title(f"simulated   {name} = {e_simulated:.4f}")
+    _map(axes[1], modelled, top)
+    axes[1].set_title(f"modelled   {name} = {e_modelled:.4f}")
+    difference = modelled - simulated
+    span = max(float(np.abs(difference).max()), np.finfo(float).tiny)
+    _map(axes[2], difference, span, signed=True)
+    axes[2].set_title("modelled - simulated")
+
+
+def _map(axis: Any, density: Array, top: float, signed: bool = False) -> None:
+    """A hemisphere seen from its pole: the radius is the polar angle, x points right."""
+    top = max(float(top), np.finfo(float).tiny)
+    image = np.append(density.ravel(), np.nan)[_disc()]
+    norm: Any = SymLogNorm(top / 30, vmin=-top, vmax=top) if signed else PowerNorm(0.5, 0, top)
+    picture = axis.imshow(
+        image,
+        origin="lower",
+        extent=(-90, 90, -90, 90),
+        cmap="RdBu_r" if signed else "magma",
+        norm=norm,
+        interpolation="nearest",
+    )
+    ticks = [-top, 0, top] if signed else [0, top / 4, top]
+    bar = axis.figure.colorbar(picture, ax=axis, ticks=ticks, shrink=0.85, pad=0.02)
+    bar.ax.set_yticklabels([f"{t:.2g}" for t in ticks])
+    bar.ax.minorticks_off()
+    axis.axis("off")
+
+
+def _disc() -> Array:
+    """Bin number of each pixel of a map, and the number past the last outside the disc."""
+    x = np.linspace(-1, 1, PIXELS)
+    radius, angle = np.hypot(x, x[:, None]), np.arctan2(x[:, None], x)
+    row = (radius * THETA_BINS).astype(int)
+    column = np.floor(angle / (2 * np.pi) * PHI_BINS + 0.5).astype(int) % PHI_BINS
+    return np.where(row < THETA_BINS, row * PHI_BINS + column, THETA_BINS * PHI_BINS)

@@ -1,0 +1,43 @@
+"""How pictures look: for print, and told apart without colour where it matters."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+plt.rcParams.update(
+    {
+        "font.size": 8,
+        "axes.titlesize": 8,
+        "axes.labelsize": 8,
+        "legend.fontsize": 7,
+        "xtick.labelsize": 7,
+        "ytick.labelsize": 7,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.color": "0.92",
+        "axes.axisbelow": True,
+        "lines.linewidth": 1.1,
+        "legend.frameon": False,
+        "figure.constrained_layout.use": True,
+    }
+)
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+"""Wong's palette, told apart by colour-blind eyes; one for each order."""
+DOTS_PER_INCH = 130
+
+
+def order_colour(index: int) -> str:
+    """Colour of the order in place `index`."""
+    return COLOURS[index % len(COLOURS)]
+
+
+def save(figure: Any, path: Path) -> None:
+    """Write a PNG and free the figure."""
+    figure.savefig(path, dpi=DOTS_PER_INCH, facecolor="white")
+    plt.close(figure)

@@ -1,0 +1,112 @@
+"""Turning a run's outcome into a report and a summary."""
+
+import json
+import math
+import platform
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import click
+
+from msbsdf_cli import __version__
+from msbsdf_cli.report.directory import RUN, write_csv, write_json
+from msbsdf_cli.report.terminal import measured, show_table
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.studies.outcome import Outcome
+from msbsdf_cli.studies.tables import all_tables, order_names
+from msbsdf_cli.tally import SIDES
+
+PACKAGES = ("numpy", "scipy", "embreex", "trimesh", "click", "matplotlib")
+
+
+def now() -> str:
+    """The time, UTC."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def run_record(
+    command: str,
+    options: dict[str, Any],
+    started: str,
+    outcome: Outcome,
+    warnings: list[str],
+) -> dict[str, Any]:
+    """The content of run.json that both producers share."""
+    versions = {"msbsdf": __version__, "python": platform.python_version()}
+    return {
+        "command": command,
+        "options": options,
+        "seed": options["seed"],
+        "versions": versions | {name: version(name) for name in PACKAGES},
+        "started": started,
+        "wall_s": outcome.wall_s,
+        "rate_per_s": outcome.paths / outcome.wall_s,
+        "bounces_mean": outcome.bounces_mean,
+        "warnings": warnings,
+    }
+
+
+def summary(scene: Scene, outcome: Outcome) -> list[dict[str, Any]]:
+    """Energies in total, one entry for each incident angle."""
+    entries = []
+    for theta, tally in zip(scene.theta, outcome.tallies, strict=True):
+        side = tally.estimate("side")
+        entry: dict[str, Any] = {"theta_i_rad": theta, "phi_i_rad": scene.phi}
+        for i, name in enumerate(SIDES[: 1 + scene.facets().transmits]):
+            entry[name] = float(side.value[i])
+            entry[f"{name}_stderr"] = float(side.stderr[i])
+        for name in ("absorbed", "unresolved"):
+            entry[name] = float(tally.estimate(name).value)
+        entries.append(entry)
+    return entries
+
+
+def write_run(draft: Path, scene: Scene, outcome: Outcome, record: dict[str, Any]) -> None:
+    """Write run.json and every table of a run."""
+    write_json(draft / RUN, record)
+    for name, table in all_tables(scene, outcome).items():
+        write_csv(draft / name, table)
+
+
+def show_run(scene: Scene, outcome: Outcome) -> None:
+    """Print energies per order and side, with standard errors in the last digits."""
+    sides = SIDES[: 1 + scene.facets().transmits]
+    prefixes = [""] if len(sides) == 1 else ["R ", "T "]
+    names = [f"{p}{o}" for p in prefixes for o in order_names(scene.orders)]
+    rows = []
+    for theta, tally in zip(scene.theta, outcome.tallies, strict=True):
+        energy = tally.estimate("energy")
+        cells = [
+            measured(energy.value[row, column], energy.stderr[row, column])
+            for column in range(len(sides))
+            for row in range(scene.orders + 1)
+        ]
+        rest = [measured(float(e.value), float(e.stderr)) for e in map(tally.estimate, REST)]
+        rows.append([f"{theta:.4g}", *cells, *rest])
+    show_table(["theta", *names, *REST], rows)
+
+
+REST = ("absorbed", "unresolved")
+
+
+def show_end(out: Path, record: dict[str, Any], unit: str) -> None:
+    """Print how the run went and where its report is."""
+    click.echo(
+        f"{record['rate_per_s']:.3g} {unit} a second for {record['wall_s']:.1f} s, "
+        f"{record['bounces_mean']:.3f} facets each. Report: {out}"
+    )
+
+
+def show_json(record: dict[str, Any]) -> None:
+    """Print the summary as one JSON object; what is not finite becomes null."""
+    click.echo(json.dumps(_finite(record), allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
