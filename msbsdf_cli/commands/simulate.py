@@ -1,11 +1,15 @@
 """`msbsdf simulate`"""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
 from msbsdf_cli.options import FREE_PATH, MODEL_OF_SURFACES, REPORT, RESOLUTION, samples, use
+
+CELLS_OF_PICTURE = 32
+"""So that a person sees the surface and not the mesh."""
 
 
 @click.command("simulate")
@@ -134,9 +138,10 @@ def run(
     write_run(draft, scene, outcome, record)
     draw_lobes(draft)
     draw_free_paths(draft)
-    surface = make_surface(resolution, 0, options["seed"])
-    draw_surface(draft, surface, scene.alpha, scene.wi(scene.theta[-1]))
+    finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))
+    draw_surface(draft, make_surface(finer, 0, options["seed"]), scene.alpha)
     if options["mesh"] is not None:
+        surface = make_surface(resolution, 0, options["seed"])
         write_mesh(Path(options["mesh"]), surface.mesh(*scene.alpha))
     return outcome, record
 

@@ -58,7 +58,8 @@ def draw_free_paths(directory: Path, modelled: Path | None = None, out: Path | N
     for axis in axes[:, 0]:
         axis.set_ylabel("probability density")
     if modelled is not None:
-        axes[0, 0].legend(loc="upper left", fontsize=6)
+        handles = axes[0, 0].get_legend_handles_labels()
+        figure.legend(*handles, loc="outside upper right", ncols=2)
     save(figure, (out or directory) / "free_path.png")
 
 
@@ -93,6 +94,13 @@ def _panel(axis: Any, ours: Any, theirs: Any, both: bool) -> None:
             axis.fill_between(middle, density - error, density + error, color=colour, alpha=0.3)
         text.append(f"escape {probability[escape][0]:.3f}" + (f" {label}" if both else ""))
     axis.text(
-        0.97, 0.95, "\n".join(text), ha="right", va="top", transform=axis.transAxes, fontsize=6
+        0.97,
+        0.95,
+        "\n".join(text),
+        ha="right",
+        va="top",
+        transform=axis.transAxes,
+        fontsize=6,
+        bbox={"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1},
     )
-    axis.set_ylim(bottom=0)
+    axis.set_ylim(0, max(axis.get_ylim()[1], 0.01))

@@ -91,7 +91,11 @@ def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> No
         for row, theta in enumerate(ours.theta):
             draw_slice(axes[row, 0], ours, row, side, theirs)
             total = ours.density[row, :, side].sum(axis=0), theirs.density[row, :, side].sum(axis=0)
-            _map_trio(axes[row, 1:], *total, side, ours.energy[row, side], theirs.energy[row, side])
+            noise = np.sqrt(
+                (ours.stderr[row, :, side] ** 2 + theirs.stderr[row, :, side] ** 2).sum(axis=0)
+            )
+            energies = ours.energy[row, side], theirs.energy[row, side]
+            _map_trio(axes[row, 1:], *total, noise, side, *energies)
             axes[row, 0].set_title(_title(theta, ours, row, side))
         axes[0, 0].legend(handles=_legend(ours.orders))
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
@@ -110,7 +114,8 @@ def _draw_orders(ours: Lobes, theirs: Lobes, row: int, path: Path) -> None:
             draw_slice(line[0], ours, row, side, theirs, only=i)
             line[0].set_title(f"order {order}, {SIDES[side]}, per steradian")
             energies = [(density * solid_angle).sum() for density in pair]
-            _map_trio(line[1:], *pair, side, *energies)
+            noise = np.hypot(ours.stderr[row, i, side], theirs.stderr[row, i, side])
+            _map_trio(line[1:], *pair, noise, side, *energies)
     figure.suptitle(f"Incident at theta = {ours.theta[row]:.4g} rad")
     save(figure, path)
 
@@ -126,16 +131,20 @@ def draw_slice(
     """Density in the plane of incidence, order by order: points with error bars where a model's
     lines go with them."""
     polar, azimuth, _ = lobe_axes()
-    forward = int(np.argmin(np.abs(np.angle(np.exp(1j * (azimuth - lobes.phi - np.pi))))))
-    backward = (forward + PHI_BINS // 2) % PHI_BINS
     angle = np.degrees(np.concatenate([-polar[::-1], polar]))
+    backward, forward = (_window(polar, azimuth, lobes.phi + turn) for turn in (0, np.pi))
 
     def plane(values: Array) -> Array:
-        return np.concatenate([values[::-1, backward], values[:, forward]])
+        sides = (values * backward).sum(axis=1), (values * forward).sum(axis=1)
+        return np.concatenate([sides[0][::-1], sides[1]])
+
+    def plane_error(values: Array) -> Array:
+        sides = (values * backward) ** 2, (values * forward) ** 2
+        return np.sqrt(np.concatenate([sides[0].sum(axis=1)[::-1], sides[1].sum(axis=1)]))
 
     for i in range(len(lobes.orders)) if only is None else (only,):
         density = plane(lobes.density[row, i, side])
-        stderr = plane(lobes.stderr[row, i, side])
+        stderr = plane_error(lobes.stderr[row, i, side])
         label, colour = lobes.orders[i], order_colour(i)
         if model is None:
             axis.plot(angle, density, color=colour, label=f"order {label}")
@@ -147,6 +156,16 @@ def draw_slice(
     axis.set_ylim(bottom=0)
     axis.set_xticks([-90, -45, 0, 45, 90])
     axis.set_xlabel("theta_o in the plane of incidence, degrees")
+
+
+def _window(polar: Array, azimuth: Array, phi: float) -> Array:
+    """Weights (polar, azimuth) of the bins near azimuth `phi`: a bin wide, and towards the pole,
+    where bins are slivers, as wide as a bin is high."""
+    half_bin = np.pi / 4 / THETA_BINS
+    reach = np.maximum(np.pi / PHI_BINS, half_bin / np.sin(polar))
+    apart = np.abs(np.angle(np.exp(1j * (azimuth - phi))))
+    near = apart[None] <= reach[:, None] * (1 + 1e-9)
+    return near / near.sum(axis=1, keepdims=True)
 
 
 def _legend(orders: list[str]) -> list[Any]:
@@ -177,7 +196,13 @@ def _grid(rows: int, columns: int) -> tuple[Any, Any]:
 
 
 def _map_trio(
-    axes: Any, simulated: Array, modelled: Array, side: int, e_simulated: float, e_modelled: float
+    axes: Any,
+    simulated: Array,
+    modelled: Array,
+    noise: Array,
+    side: int,
+    e_simulated: float,
+    e_modelled: float,
 ) -> None:
     top = max(simulated.max(), modelled.max())
     name = "E_t" if side else "E_r"
@@ -185,15 +210,15 @@ def _map_trio(
     axes[0].set_title(f"simulated   {name} = {e_simulated:.4f}")
     _map(axes[1], modelled, top)
     axes[1].set_title(f"modelled   {name} = {e_modelled:.4f}")
-    difference = modelled - simulated
-    span = max(float(np.abs(difference).max()), np.finfo(float).tiny)
+    difference = np.where(np.abs(modelled - simulated) > 2 * noise, modelled - simulated, 0)
+    span = float(np.abs(difference).max()) or 1.0
     _map(axes[2], difference, span, signed=True)
-    axes[2].set_title("modelled - simulated")
+    axes[2].set_title("modelled - simulated\nwhere over 2 std. errors", fontsize=7)
 
 
 def _map(axis: Any, density: Array, top: float, signed: bool = False) -> None:
     """A hemisphere seen from its pole: the radius is the polar angle, x points right."""
-    top = max(float(top), np.finfo(float).tiny)
+    top = float(top) or 1.0
     image = np.append(density.ravel(), np.nan)[_disc()]
     norm: Any = SymLogNorm(top / 30, vmin=-top, vmax=top) if signed else PowerNorm(0.5, 0, top)
     picture = axis.imshow(

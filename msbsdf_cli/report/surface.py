@@ -12,11 +12,11 @@ from surfaces.surface import Surface
 
 PIXELS = 420
 """Of the picture, each way."""
-WIDTH = 20.0
-"""Width of the view in standard deviations of height, of a surface of roughness 0.5."""
+WIDTH = 8
+"""Width of the view in correlation lengths, their geometric mean where they differ."""
 
 
-def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float], wi: Array) -> None:
+def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float]) -> None:
     """surface.png: the surface seen aslant, lit from a side, with shadows; and from above, its
     heights over one period."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.6), width_ratios=[1.25, 1])
@@ -31,7 +31,7 @@ def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float], 
         cmap="viridis",
         aspect="auto" if max(lengths) > 3 * min(lengths) else "equal",
     )
-    right.set_title("one period, heights and lengths in standard deviations of height")
+    right.set_title("one period; unit: standard deviation of height")
     right.grid(False)
     figure.colorbar(picture, ax=right, label="height")
     save(figure, directory / "surface.png")
@@ -43,7 +43,7 @@ def _view(surface: Surface, alpha: tuple[float, float]) -> Array:
     elevation = np.radians(35)
     view = np.array([0.0, np.cos(elevation), -np.sin(elevation)])
     up = np.array([0.0, np.sin(elevation), np.cos(elevation)])
-    width = WIDTH
+    width = WIDTH * 2 / np.sqrt(alpha[0] * alpha[1])
     x, y = np.meshgrid(np.linspace(-0.5, 0.5, PIXELS), np.linspace(0.31, -0.31, int(PIXELS * 0.62)))
     o = (x * width)[None] * np.array([1.0, 0, 0])[:, None, None] + (y * width)[None] * up[
         :, None, None

@@ -13,7 +13,7 @@ import numpy as np
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.studies.simulating import Resolution
-from surfaces.materials import Conductor
+from surfaces.materials import Conductor, Material
 
 PILOT_WALKS = 20_000
 LEAST_CELLS, LEAST_EXTENT, LEAST_REALISATIONS = 4, 8, 16
@@ -31,7 +31,7 @@ def plan(
 ) -> Resolution:
     """The resolution that keeps each bias below half of `accuracy` and the standard error of the
     energy of an order near `accuracy`; what is given is taken as it is."""
-    share = multiple_share(scene)
+    share = max(multiple_share(scene, Conductor()), multiple_share(scene, scene.facets()))
     any_multiple = min(1.0, 40 * share)
     if cells is None:
         per_cell2 = 0.35 * share + 0.03 * any_multiple
@@ -40,17 +40,20 @@ def plan(
         per_extent2 = 0.34 * any_multiple
         extent = max(LEAST_EXTENT, math.ceil(math.sqrt(2 * per_extent2 / accuracy)))
     if realisations is None:
-        deviation = 0.5 * math.sqrt(share) / extent
+        # Which facet lets light through is decided at grazing by few high places.
+        spread = 1.0 if scene.facets().transmits else 0.5
+        deviation = spread * math.sqrt(share) / extent
         realisations = max(LEAST_REALISATIONS, math.ceil((deviation / accuracy) ** 2))
     return Resolution(cells, extent, realisations, waves)
 
 
-def multiple_share(scene: Scene) -> float:
-    """Largest share of light, over the incident angles, that mirror facets of this roughness send
-    to a second facet, from a short random walk."""
+def multiple_share(scene: Scene, material: Material) -> float:
+    """Largest share of light, over the incident angles, that facets of `material` send to a second
+    facet, from a short random walk."""
     shares = []
     for theta in scene.theta:
         rng = np.random.Generator(np.random.SFC64(0))
-        walks = random_walk(scene.distribution(), Conductor(), scene.wi(theta), PILOT_WALKS, rng, 1)
+        wi = scene.wi(theta)
+        walks = random_walk(scene.distribution(), material, wi, PILOT_WALKS, rng, 1)
         shares.append(sum(light.w.shape[1] for light in walks if not light.resolved) / PILOT_WALKS)
     return max(shares)

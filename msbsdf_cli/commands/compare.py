@@ -1,0 +1,153 @@
+"""`msbsdf compare`"""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from msbsdf_cli.options import FREE_PATH, MODEL_OF_SURFACES, REPORT, RESOLUTION, samples, use
+
+
+@click.command("compare")
+@click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
+@use(*MODEL_OF_SURFACES, "orders")
+@samples("2e6")
+@use(*RESOLUTION, "mesh", "max-order", *FREE_PATH, "seed", "threads", "precision", *REPORT)
+def command(runs: tuple[str, ...], **options: Any) -> None:
+    """Hold the Smith model against explicit surfaces: free paths and lobes.
+
+    RUN is the directory of a report of `simulate` or `walk`; what is not given is run, for the
+    same scene. Writes agreement.csv and pictures, and the reports that it made as directories.
+    """
+    from msbsdf_cli.commands import common, simulate, walk
+    from msbsdf_cli.report.directory import new_report, refuse_existing
+    from msbsdf_cli.studies.agreement import in_one_sentence, in_order
+    from msbsdf_cli.studies.recording import show_json
+
+    if len(runs) > 2:
+        raise click.UsageError(f"{len(runs)} reports are given; two are compared.")
+    handed = take_runs(runs, options)
+    options["heights"] = "gaussian"
+    scene = common.scene_from(options)
+    common.free_paths_from(options, "gaussian")
+    out = common.out_directory("compare", scene.slug(), options["out"])
+    refuse_existing(out, options["force"])
+    simulate.refuse_mesh(options)
+    warnings, work_s = [], 0.0
+    if "simulate" not in handed:
+        simulate.resolve(scene, options)
+        warnings += simulate.surface_warnings(options)
+        work_s += simulate.work_s(options)
+    if "walk" not in handed:
+        work_s += walk.work_s(options)
+    warnings += common.scene_warnings(options, work_s)
+    common.announce(warnings)
+    if len(handed) == 2:
+        in_order(*handed.values())
+    with new_report(out) as draft:
+        for name, producer in (("simulate", simulate), ("walk", walk)):
+            if name not in handed:
+                handed[name] = draft / name
+                handed[name].mkdir()
+                producer.run(handed[name], scene, options, [])
+        rows, record = write_comparison(
+            draft, handed["simulate"], handed["walk"], options, warnings
+        )
+    if options["as_json"]:
+        show_json(record | {"report": str(out)})
+    elif not options["quiet"]:
+        show(rows)
+        click.echo(f"\n{in_one_sentence(rows)}\nReport: {out}")
+
+
+def take_runs(runs: tuple[str, ...], options: dict[str, Any]) -> dict[str, Path]:
+    """The reports handed over, by command, with their scene put into `options`.
+
+    Raises click.UsageError where a scene is given beside them, and click.ClickException for what
+    is not a report.
+    """
+    from msbsdf_cli.report.directory import read_run
+    from msbsdf_cli.studies.agreement import SAME
+
+    handed: dict[str, Path] = {}
+    for name in runs:
+        run = read_run(Path(name))
+        if run["command"] in handed:
+            raise click.ClickException(
+                f"both reports are of `{run['command']}`; one of `simulate` and one of `walk` "
+                "are compared."
+            )
+        handed[run["command"]] = Path(name)
+        scene = (*SAME, "slopes", "metal", "eta_k", "albedo", "ior", *FREE_PATH)
+        source = click.get_current_context().get_parameter_source
+        for option in (o.replace("-", "_") for o in scene):
+            if source(option) is click.core.ParameterSource.COMMANDLINE:
+                raise click.UsageError(
+                    f"--{option.replace('_', '-')} beside a report: the scene is that of {name}."
+                )
+            value = run["options"].get(option)
+            options[option] = tuple(value) if isinstance(value, list) else value
+    return handed
+
+
+def write_comparison(
+    draft: Path, simulated: Path, modelled: Path, options: dict[str, Any], warnings: list[str]
+) -> tuple[list[Any], dict[str, Any]]:
+    """Compare two reports and write the result into `draft`; its rows and run.json's content."""
+    from msbsdf_cli.report.agreement import draw_agreement
+    from msbsdf_cli.report.directory import RUN, read_run, write_csv, write_json
+    from msbsdf_cli.report.free_path import draw_free_paths
+    from msbsdf_cli.report.lobes import draw_lobe_comparison
+    from msbsdf_cli.studies.agreement import agreement, as_table, in_one_sentence
+
+    rows = agreement(simulated, modelled)
+    write_csv(draft / "agreement.csv", as_table(rows))
+    draw_agreement(rows, draft)
+    draw_free_paths(simulated, modelled, draft)
+    draw_lobe_comparison(simulated, modelled, draft)
+    parts = {name: read_run(path) for name, path in (("simulate", simulated), ("walk", modelled))}
+    wall_s = sum(part["wall_s"] for part in parts.values())
+    paths = sum(part["wall_s"] * part["rate_per_s"] for part in parts.values())
+    record = dict(parts["simulate"])
+    record |= {
+        "command": "compare",
+        "options": options,
+        "wall_s": wall_s,
+        "rate_per_s": paths / wall_s,
+        "warnings": warnings + [w for part in parts.values() for w in part["warnings"]],
+        "summary": in_one_sentence(rows),
+        "runs": {name: part | {"options": None} for name, part in parts.items()},
+    }
+    write_json(draft / RUN, record)
+    return rows, record
+
+
+def show(rows: list[Any]) -> None:
+    """Print what differs: how much, how much of it noise explains, how much is the model's own.
+
+    Lobes order by order, and free paths that all escape or none, are left to agreement.csv.
+    """
+    from msbsdf_cli.report.terminal import measured, show_table
+
+    header = ("quantity", "theta", "order", "side", "simulated", "modelled", "difference", "noise")
+    lines = []
+    for r in rows:
+        if r.quantity == "total_variation" and r.order != "all":
+            continue
+        if r.simulated == r.modelled and r.simulated in (0, 1):
+            continue
+        lines.append(
+            (
+                r.quantity,
+                f"{r.theta:.4g}",
+                r.order,
+                r.side,
+                measured(r.simulated, r.simulated_stderr),
+                measured(r.modelled, r.modelled_stderr),
+                f"{r.difference:.2g}",
+                f"{r.noise:.1g}",
+                f"{r.own:.2g}",
+                f"{r.z:.1f}",
+            )
+        )
+    show_table((*header, "model's own", "z"), lines)
