@@ -201,6 +201,9 @@ _OPTIONS: dict[str, Any] = {
         metavar="N",
         help="Cosines summed to a surface; default: every wave of the period.",
     ),
+    "convergence": dict(
+        is_flag=True, help="Also measure what cells, period, waves and offset do to the energies."
+    ),
     "mesh": dict(
         type=click.Path(dir_okay=False),
         metavar="FILE",

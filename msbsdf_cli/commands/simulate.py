@@ -15,7 +15,7 @@ CELLS_OF_PICTURE = 32
 @click.command("simulate")
 @use(*MODEL_OF_SURFACES, "orders")
 @samples("1e6")
-@use(*RESOLUTION, "mesh", "max-order", *FREE_PATH, "seed", "threads", *REPORT)
+@use(*RESOLUTION, "convergence", "mesh", "max-order", *FREE_PATH, "seed", "threads", *REPORT)
 def command(**options: Any) -> None:
     """Trace light on explicit random Beckmann surfaces.
 
@@ -138,12 +138,26 @@ def run(
     write_run(draft, scene, outcome, record)
     draw_lobes(draft)
     draw_free_paths(draft)
+    if options.get("convergence"):
+        write_convergence(draft, scene, options)
     finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))
     draw_surface(draft, make_surface(finer, 0, options["seed"]), scene.alpha)
     if options["mesh"] is not None:
         surface = make_surface(resolution, 0, options["seed"])
         write_mesh(Path(options["mesh"]), surface.mesh(*scene.alpha))
     return outcome, record
+
+
+def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:
+    """convergence.csv and convergence.png"""
+    from msbsdf_cli.report.convergence import draw_convergence
+    from msbsdf_cli.report.directory import write_csv
+    from msbsdf_cli.studies.convergence import convergence
+
+    rays = options["samples"], options["seed"], options["threads"], options["quiet"]
+    table = convergence(scene, *rays)
+    write_csv(draft / "convergence.csv", table)
+    draw_convergence(table, draft)
 
 
 def write_mesh(path: Path, mesh: Any) -> None:

@@ -3,24 +3,16 @@
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
-from msbsdf_cli.report.style import COLOURS, save
+from msbsdf_cli.report.style import COLOURS, panels, save
 
 
 def draw_agreement(rows: list[Any], directory: Path) -> None:
     """From the energy rows of an agreement (order, side, theta, values and standard errors)."""
     rows = [r for r in rows if r.quantity == "energy" and r.order != "all"]
     angles = list(dict.fromkeys(r.theta for r in rows))
-    figure, axes = plt.subplots(
-        2,
-        len(angles),
-        figsize=(2.3 * len(angles) + 0.6, 4.2),
-        squeeze=False,
-        sharex=True,
-        height_ratios=[2, 1],
-    )
+    figure, axes = panels(2, [1.9] * len(angles), 1.7, (0.5, 0.2), sharex=True)
     for column, theta in enumerate(angles):
         mine = [r for r in rows if r.theta == theta]
         upper, lower = axes[:, column]
@@ -45,6 +37,6 @@ def draw_agreement(rows: list[Any], directory: Path) -> None:
         lower.set_xticks(x, labels)
         lower.set_xlabel("order" + (" (t: transmitted)" if any("t" in n for n in labels) else ""))
     axes[0, 0].set_ylabel("energy, share of the incident")
-    axes[1, 0].set_ylabel("modelled - simulated\n(bars: 2 standard errors)")
+    axes[1, 0].set_ylabel("modelled - simulated\n(bars: 2 std. errors)")
     axes[0, 0].legend(loc="upper right")
     save(figure, directory / "agreement.png")

@@ -3,11 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from msbsdf_cli.report.directory import read_csv
-from msbsdf_cli.report.style import COLOURS, save
+from msbsdf_cli.report.style import COLOURS, panels, save
 
 NUMBERS = (
     "theta_r_rad",
@@ -40,13 +39,7 @@ def draw_free_paths(directory: Path, modelled: Path | None = None, out: Path | N
     theirs = load_free_paths(modelled) if modelled is not None else {}
     directions = list(dict.fromkeys(theta for theta, _ in ours))
     starts = list(dict.fromkeys(start for _, start in ours))
-    figure, axes = plt.subplots(
-        len(starts),
-        len(directions),
-        figsize=(2.1 * len(directions) + 0.5, 1.25 * len(starts) + 0.4),
-        squeeze=False,
-        sharex=True,
-    )
+    figure, axes = panels(len(starts), [1.9] * len(directions), 0.95, (0.4, 0.35), sharex=True)
     for i, start in enumerate(starts):
         for j, theta in enumerate(directions):
             axis = axes[i, j]
@@ -59,7 +52,7 @@ def draw_free_paths(directory: Path, modelled: Path | None = None, out: Path | N
         axis.set_ylabel("probability density")
     if modelled is not None:
         handles = axes[0, 0].get_legend_handles_labels()
-        figure.legend(*handles, loc="outside upper right", ncols=2)
+        figure.legend(*handles, loc="upper right", ncols=2)
     save(figure, (out or directory) / "free_path.png")
 
 
@@ -103,4 +96,4 @@ def _panel(axis: Any, ours: Any, theirs: Any, both: bool) -> None:
         fontsize=6,
         bbox={"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1},
     )
-    axis.set_ylim(0, max(axis.get_ylim()[1], 0.01))
+    axis.set_ylim(0, max(1.3 * axis.get_ylim()[1], 0.01))

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import PowerNorm, SymLogNorm
 
 from msbsdf_cli.report.directory import read_csv
-from msbsdf_cli.report.style import order_colour, save
+from msbsdf_cli.report.style import order_colour, panels, save
 from msbsdf_cli.tally import PHI_BINS, SIDES, THETA_BINS, lobe_axes
 from surfaces.facet import Array
 
@@ -68,18 +67,18 @@ def load_lobes(directory: Path) -> Lobes:
 def draw_lobes(directory: Path) -> None:
     """lobes.png of one run: plane of incidence, and a map for each order."""
     lobes = load_lobes(directory)
-    columns = 1 + len(lobes.orders)
     for side in range(1 + lobes.transmits):
-        figure, axes = _grid(len(lobes.theta), columns)
+        figure, axes = _grid(len(lobes.theta), len(lobes.orders))
         for row, theta in enumerate(lobes.theta):
             draw_slice(axes[row, 0], lobes, row, side)
             for i, order in enumerate(lobes.orders):
                 density = lobes.density[row, i, side]
-                _map(axes[row, 1 + i], density, density.max())
                 energy = (density * lobe_axes()[2][:, None]).sum()
-                axes[row, 1 + i].set_title(f"order {order}   E = {energy:.4f}")
+                title = f"order {order}   E = {energy:.4f}"
+                _map(axes[row, 1 + i], density, density.max(), title)
             axes[row, 0].set_title(_title(theta, lobes, row, side))
-        axes[0, 0].legend()
+        handles = _legend(lobes.orders)[: len(lobes.orders)]
+        figure.legend(handles=handles, loc="upper left", ncols=len(handles))
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
 
 
@@ -87,7 +86,7 @@ def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> No
     """lobes.png: all orders together, and a page for each angle with a map for each order."""
     ours, theirs = load_lobes(simulated), load_lobes(modelled)
     for side in range(1 + ours.transmits):
-        figure, axes = _grid(len(ours.theta), 4)
+        figure, axes = _grid(len(ours.theta), 3)
         for row, theta in enumerate(ours.theta):
             draw_slice(axes[row, 0], ours, row, side, theirs)
             total = ours.density[row, :, side].sum(axis=0), theirs.density[row, :, side].sum(axis=0)
@@ -97,7 +96,8 @@ def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> No
             energies = ours.energy[row, side], theirs.energy[row, side]
             _map_trio(axes[row, 1:], *total, noise, side, *energies)
             axes[row, 0].set_title(_title(theta, ours, row, side))
-        axes[0, 0].legend(handles=_legend(ours.orders))
+        handles = _legend(ours.orders)
+        figure.legend(handles=handles, loc="upper left", ncols=len(handles), columnspacing=1)
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
     for row, theta in enumerate(ours.theta):
         _draw_orders(ours, theirs, row, directory / f"lobes_theta_{theta:.4g}.png")
@@ -105,18 +105,18 @@ def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> No
 
 def _draw_orders(ours: Lobes, theirs: Lobes, row: int, path: Path) -> None:
     sides = range(1 + ours.transmits)
-    figure, axes = _grid(len(ours.orders) * len(sides), 4)
+    figure, axes = _grid(len(ours.orders) * len(sides), 3)
     solid_angle = lobe_axes()[2][:, None]
     for side in sides:
         for i, order in enumerate(ours.orders):
             line = axes[side * len(ours.orders) + i]
             pair = ours.density[row, i, side], theirs.density[row, i, side]
             draw_slice(line[0], ours, row, side, theirs, only=i)
-            line[0].set_title(f"order {order}, {SIDES[side]}, per steradian")
+            line[0].set_title(f"order {order}, {SIDES[side]}   [1/sr]")
             energies = [(density * solid_angle).sum() for density in pair]
             noise = np.hypot(ours.stderr[row, i, side], theirs.stderr[row, i, side])
             _map_trio(line[1:], *pair, noise, side, *energies)
-    figure.suptitle(f"Incident at theta = {ours.theta[row]:.4g} rad")
+    figure.suptitle(f"Incident at theta = {ours.theta[row]:.4g} rad", fontsize=9, x=0.02, ha="left")
     save(figure, path)
 
 
@@ -155,7 +155,7 @@ def draw_slice(
     axis.set_xlim(-90, 90)
     axis.set_ylim(bottom=0)
     axis.set_xticks([-90, -45, 0, 45, 90])
-    axis.set_xlabel("theta_o in the plane of incidence, degrees")
+    axis.set_xlabel("theta_o in the plane of incidence, degrees", labelpad=1)
 
 
 def _window(polar: Array, azimuth: Array, phi: float) -> Array:
@@ -181,18 +181,12 @@ def _legend(orders: list[str]) -> list[Any]:
 
 def _title(theta: float, lobes: Lobes, row: int, side: int) -> str:
     name = "E_t" if side else "E_r"
-    return f"theta_i = {theta:.4g}   {name} = {lobes.energy[row, side]:.4f}   per steradian"
+    return f"theta_i = {theta:.4g}   {name} = {lobes.energy[row, side]:.4f}   [1/sr]"
 
 
-def _grid(rows: int, columns: int) -> tuple[Any, Any]:
-    figure, axes = plt.subplots(
-        rows,
-        columns,
-        figsize=(2.6 + 1.75 * (columns - 1), 1.95 * rows + 0.2),
-        squeeze=False,
-        width_ratios=[1.6] + [1] * (columns - 1),
-    )
-    return figure, axes
+def _grid(rows: int, maps: int) -> tuple[Any, Any]:
+    """Axes for a slice and `maps` hemisphere maps in each row."""
+    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.2, 0.72))
 
 
 def _map_trio(
@@ -206,33 +200,31 @@ def _map_trio(
 ) -> None:
     top = max(simulated.max(), modelled.max())
     name = "E_t" if side else "E_r"
-    _map(axes[0], simulated, top)
-    axes[0].set_title(f"simulated   {name} = {e_simulated:.4f}")
-    _map(axes[1], modelled, top)
-    axes[1].set_title(f"modelled   {name} = {e_modelled:.4f}")
+    _map(axes[0], simulated, top, f"simulated   {name} = {e_simulated:.4f}")
+    _map(axes[1], modelled, top, f"modelled   {name} = {e_modelled:.4f}")
     difference = np.where(np.abs(modelled - simulated) > 2 * noise, modelled - simulated, 0)
-    span = float(np.abs(difference).max()) or 1.0
-    _map(axes[2], difference, span, signed=True)
-    axes[2].set_title("modelled - simulated\nwhere over 2 std. errors", fontsize=7)
+    top = float(np.abs(difference).max())
+    _map(axes[2], difference, top, "modelled - simulated, > 2 s.e.", signed=True)
 
 
-def _map(axis: Any, density: Array, top: float, signed: bool = False) -> None:
-    """A hemisphere seen from its pole: the radius is the polar angle, x points right."""
-    top = float(top) or 1.0
+def _map(axis: Any, density: Array, top: float, title: str, signed: bool = False) -> None:
+    """A hemisphere seen from its pole: the radius is the polar angle, x points right.
+
+    Brightness is the root of the density; of a difference, red is more and blue is less.
+    """
+    scale = float(top) or 1.0
     image = np.append(density.ravel(), np.nan)[_disc()]
-    norm: Any = SymLogNorm(top / 30, vmin=-top, vmax=top) if signed else PowerNorm(0.5, 0, top)
-    picture = axis.imshow(
+    norm: Any = SymLogNorm(scale / 30, vmin=-scale, vmax=scale)
+    axis.imshow(
         image,
         origin="lower",
-        extent=(-90, 90, -90, 90),
         cmap="RdBu_r" if signed else "magma",
-        norm=norm,
+        norm=norm if signed else PowerNorm(0.5, 0, scale),
         interpolation="nearest",
     )
-    ticks = [-top, 0, top] if signed else [0, top / 4, top]
-    bar = axis.figure.colorbar(picture, ax=axis, ticks=ticks, shrink=0.85, pad=0.02)
-    bar.ax.set_yticklabels([f"{t:.2g}" for t in ticks])
-    bar.ax.minorticks_off()
+    axis.set_title(
+        f"{title}\n{'-' if signed else '0'}{f'{top:.2g}' if signed else ''} to {top:.2g}"
+    )
     axis.axis("off")
 
 

@@ -19,7 +19,9 @@ WIDTH = 8
 def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float]) -> None:
     """surface.png: the surface seen aslant, lit from a side, with shadows; and from above, its
     heights over one period."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.6), width_ratios=[1.25, 1])
+    figure, (left, right) = plt.subplots(
+        1, 2, figsize=(8, 3.2), width_ratios=[1.25, 1], layout="constrained"
+    )
     left.imshow(_view(surface, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear")
     left.set_title(f"alpha = {alpha[0]:g}, {alpha[1]:g}: seen from 35 degrees above the horizon")
     left.axis("off")

@@ -1,0 +1,203 @@
+import numpy as np
+import pytest
+
+from msbsdf_cli.smith.slopes import Beckmann, Lambda
+from msbsdf_cli.tally import Tally
+from surfaces.free_path import level_points, next_heights
+from surfaces.heightfield import all_waves, synthesise
+from surfaces.materials import METALS, Conductor, Dielectric, Diffuse
+from surfaces.periodic import ESCAPED, meet, next_triangle
+from surfaces.surface import Surface
+from surfaces.tracing import Tracer, morton
+
+
+def make(seed=0, extent=8, cells=8):
+    return Surface(synthesise(all_waves(extent, np.random.default_rng(seed)), extent, cells), cells)
+
+
+def incident(theta, phi=0.0):
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+
+
+def trace(surface, alpha, material, wi, n, max_order=1000):
+    tally = Tally(4, independent=False)
+    for light in Tracer(surface, *alpha, material).trace(
+        wi, n, np.random.default_rng(1), max_order
+    ):
+        tally.add(light)
+    return tally.as_unit()
+
+
+@pytest.mark.parametrize("material", [Conductor(), Dielectric(1.5)])
+def test_no_ray_is_lost_in_a_million(material):
+    surface = make(extent=16)
+    lost, left = 0.0, 0
+    for theta in (0.0, 1.0, 1.5):
+        tally = trace(surface, (1.0, 1.0), material, incident(theta, 0.3), 350_000)
+        lost += tally.estimate("unresolved").value
+        left += tally.rays
+        total = tally.estimate("energy").value.sum()
+        assert total == pytest.approx(1, abs=1e-12)  # none counted twice
+    assert lost == 0
+    assert left == 3 * 350_000
+
+
+@pytest.mark.parametrize("material", [Conductor(METALS["gold"][:1]), Diffuse((0.4,))])
+def test_energy_with_absorption(material):
+    tally = trace(make(), (0.7, 0.2), material, incident(1.2), 20_000)
+    energy, absorbed = tally.estimate("energy").value.sum(), tally.estimate("absorbed").value
+    assert energy + absorbed == pytest.approx(1, abs=1e-12)
+    assert absorbed > 0.01
+
+
+def test_a_flat_surface_is_a_mirror():
+    surface = Surface(np.zeros((16, 16)), 4)
+    wi = incident(0.9, 1.1)
+    for light in Tracer(surface, 1.0, 1.0, Conductor()).trace(
+        wi, 1000, np.random.default_rng(0), 5
+    ):
+        assert light.order == 1
+        np.testing.assert_allclose(light.w, np.array([[-wi[0]], [-wi[1]], [wi[2]]]) * np.ones(1000))
+
+
+def test_a_flat_diffuse_surface_is_lambertian():
+    surface = Surface(np.zeros((16, 16)), 4)
+    n = 100_000
+    tally = trace(surface, (1.0, 1.0), Diffuse(), incident(0.9), n)
+    # Mean z of a cosine lobe is 2/3, with variance 1/2 - 4/9.
+    mean_z = tally.estimate("moments").value[0, 0, 2]
+    assert abs(mean_z - 2 / 3) < 4 * np.sqrt((1 / 2 - 4 / 9) / n)
+
+
+def test_a_plane_that_embree_and_the_double_precision_hit_share():
+    surface = make()
+    rng = np.random.default_rng(5)
+    o = np.stack([*(rng.random((2, 5000)) * surface.period), np.full(5000, surface.top)])
+    d = np.tile([[0.3], [-0.8], [-0.4]], 5000)
+    start = o.copy()
+    triangle = next_triangle(surface, o, d, None)
+    assert np.all(triangle >= 0)
+    point, upper, _ = meet(surface, o, d, triangle)
+    assert upper.all()
+    # On the ray (mod the period), and on the mesh: heights interpolated on the facet's corners.
+    along = (point[2] - start[2]) / d[2]
+    apart = (start + along * d - point)[:2] / surface.period
+    np.testing.assert_allclose(apart, np.rint(apart), atol=1e-9)
+    corners, planes = surface.period_triangles
+    heights = planes[0] + planes[1] * corners[:, 0] + planes[2] * corners[:, 1]
+    np.testing.assert_allclose(heights, corners[:, 2], atol=1e-9)
+
+
+def test_a_period_shifted_gives_the_same_light():
+    """Edges do not matter: the surface rolled by half a period reflects the same energies."""
+    heights = make(extent=8).heights
+    n = 200_000
+    results = []
+    for field in (heights, np.roll(heights, (20, 31), (0, 1))):
+        tally = trace(Surface(field, 8), (1.0, 1.0), Conductor(), incident(1.5), n)
+        results.append(tally.estimate("energy").value[:, 0])
+    noise = np.sqrt(2 * results[0] * (1 - results[0]) / n + 1 / n**2)
+    assert np.all(np.abs(results[0] - results[1]) < 4 * noise)
+
+
+@pytest.mark.parametrize("theta", [1.0, 1.4])
+def test_masking_on_surfaces(theta):
+    """The share of the mean plane's facets that a direction sees: the projected areas balance,
+    cos(theta) = share seen x sigma, on any surface; 1 / (1 + Lambda) where sigma is the model's."""
+    slopes = Beckmann(1.0, 1.0)
+    w = incident(theta)
+    seen = []
+    for seed in range(24):
+        surface = make(seed, extent=8)
+        scale = surface.stretch(1.0, 1.0)
+        rng = np.random.default_rng(seed)
+        n = 40_000
+        corners, planes = surface.period_triangles
+        share = rng.random((2, n))
+        chosen = rng.integers(0, corners.shape[2], n)
+        # Uniform in the triangle, hence over the mean plane.
+        fold = share.sum(axis=0) > 1
+        share[:, fold] = 1 - share[:, fold]
+        a, b, c = corners[..., chosen]
+        point = a + share[0] * (b - a) + share[1] * (c - a)
+        point[2] += surface.lift
+        m = np.vstack([-planes[1:, chosen] * scale[:2], np.ones(n)])
+        cos = w @ m
+        facing = cos > 0
+        d = np.broadcast_to(w[:, None] * scale, point.shape)[:, facing]
+        visible = next_triangle(surface, point[:, facing].copy(), d, None) == ESCAPED
+        seen.append((cos[facing] * visible).sum() / cos[facing].sum())
+    expected = 1 / (1 + Lambda(slopes, w[:, None])[0])
+    stderr = np.std(seen, ddof=1) / np.sqrt(len(seen))
+    # Seen area x cosine is cos(theta) on every surface; only its share of the whole scatters, and
+    # by the finite period (8 correlation lengths) the whole does too: below 1 %.
+    assert abs(np.mean(seen) - expected) < 4 * stderr + 0.01 * expected
+
+
+def test_level_points_lie_on_the_surface_and_face_the_direction():
+    surface = make(extent=8)
+    scale = surface.stretch(1.0, 1.0)
+    d = incident(1.0)[:, None] * scale
+    points, weight = level_points(surface, -0.5, d, 2000, np.random.default_rng(0))
+    np.testing.assert_allclose(points[2], -0.5 + surface.lift, atol=1e-12)
+    down = np.tile([[0.0], [0.0], [-1.0]], 2000)
+    above = points + np.array([[0], [0], [1.0]])
+    point, _, slopes = meet(surface, above, down, next_triangle(surface, above, down, None))
+    np.testing.assert_allclose(point[2], -0.5, atol=1e-4)
+    assert np.all(slopes[0] * d[0] + slopes[1] * d[1] < d[2] + 1e-3)
+    assert weight > 0
+
+
+def test_level_points_are_uniform_over_the_mean_plane():
+    """Against points of a narrow band of heights, chosen uniformly: mean slope and its square."""
+    surface = make(extent=8, cells=16)
+    d = np.array([[0.0], [0.0], [1.0]])
+    rng = np.random.default_rng(0)
+    points, _ = level_points(surface, 0.5, d, 20_000, rng)
+    corners, planes = surface.period_triangles
+    middle = corners[:, 2].mean(axis=0)
+    band = np.abs(middle - 0.5) < 0.05
+    steep = np.hypot(*planes[1:])
+    down = np.tile([[0.0], [0.0], [-1.0]], 20_000)
+    above = points + np.array([[0], [0], [1.0]])
+    _, _, slopes = meet(surface, above, down, next_triangle(surface, above, down, None))
+    # A band 0.1 high holds some hundred facets of this field: their scatter bounds the match.
+    stderr = steep[band].std() / np.sqrt(band.sum() / 16)
+    assert abs(np.hypot(*slopes).mean() - steep[band].mean()) < 4 * stderr
+
+
+def test_free_paths_from_outside_match_first_hits():
+    surface = make(extent=8)
+    scale = surface.stretch(1.0, 1.0)
+    rng = np.random.default_rng(2)
+    paths = next_heights(surface, scale, -incident(0.0), np.inf, 20_000, rng)
+    # Straight down, the next facet's height is the height itself.
+    mean, stderr = surface.heights.mean(), surface.heights.std() / np.sqrt(20_000)
+    assert paths.escaped == paths.lost == 0
+    assert abs(paths.heights.mean() - mean) < 4 * stderr
+    up = next_heights(surface, scale, incident(0.3), np.inf, 1000, rng)
+    assert up.escaped == 1000
+
+
+def test_morton_curve_covers_the_square_evenly():
+    points = morton((np.arange(4096) + 0.5) / 4096)
+    counts = np.histogram2d(*points, bins=64, range=[(0, 1), (0, 1)])[0]
+    assert np.all(counts == 1)
+    assert np.hypot(*np.diff(points, axis=1)).mean() < 2 / 64
+
+
+def test_rays_that_are_not_finite_are_refused():
+    surface = make(extent=4, cells=4)
+    with pytest.raises(FloatingPointError, match="not finite"):
+        surface.query(np.full((3, 1), np.nan), np.ones((3, 1)))
+
+
+def test_surfaces_never_import_the_models():
+    import subprocess
+    import sys
+
+    code = (
+        "import sys, surfaces.tracing, surfaces.free_path, surfaces.heightfield;"
+        "sys.exit(any(m.startswith('msbsdf_cli') for m in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,296 @@
+"""The command line as a user meets it, in processes of its own."""
+
+import csv
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+RUN = [sys.executable, "-c", "from msbsdf_cli.cli import main; main()"]
+QUICK = {
+    "walk": ["walk", "--samples", "2e4", "--theta", "0.5,80deg"],
+    "simulate": ["simulate", "--samples", "1e4", "--theta", "0.5,80deg", "--realisations", "4",
+                 "--extent", "8", "--cells", "4"],
+}  # fmt: skip
+
+
+def msbsdf(*words, cwd=None):
+    return subprocess.run([*RUN, *map(str, words)], capture_output=True, text=True, cwd=cwd)
+
+
+def table(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--alpha", "0"], "roughness"),
+        (["--alpha", "-1"], "roughness"),
+        (["--alpha", "nan"], "nan"),
+        (["--alpha", "1,2,3"], "roughness"),
+        (["--alpha", "rough"], "rough"),
+        (["--theta", "1.6"], "1.6"),
+        (["--theta", "90deg"], "90deg"),
+        (["--theta", "-0.1"], "-0.1"),
+        (["--theta", "1,1"], "twice"),
+        (["--phi", "1,2"], "one angle"),
+        (["--ior", "1"], "index"),
+        (["--ior", "-2"], "index"),
+        (["--albedo", "1.5"], "albedo"),
+        (["--samples", "0"], "0"),
+        (["--samples", "1.5"], "whole"),
+        (["--samples", "many"], "many"),
+        (["--threads", "0"], "0"),
+        (["--orders", "0"], "0"),
+        (["--metal", "tin"], "tin"),
+        (["--metal", "gold", "--eta-k", "1,2"], "--eta-k"),
+        (["--eta-k", "1"], "2 numbers"),
+        (["--eta-k", "0,3"], "metal"),
+        (["--material", "wood"], "wood"),
+        (["--colour", "red"], "--colour"),
+    ],
+)
+@pytest.mark.parametrize("command", ["walk", "simulate"])
+def test_bad_input_is_refused_in_a_sentence(command, words, said, tmp_path):
+    result = msbsdf(command, *words, "--out", tmp_path / "r")
+    assert result.returncode == 2
+    assert said in result.stderr
+    assert words[0] in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--cells", "5"],
+        ["--cells", "2"],
+        ["--extent", "0"],
+        ["--realisations", "1"],
+        ["--accuracy", "0"],
+        ["--slopes", "ggx"],
+        ["--mesh", "surface.txt"],
+        ["--mesh", "no/such/place.ply"],
+    ],
+)
+def test_bad_surfaces_are_refused(words, tmp_path):
+    result = msbsdf("simulate", *words, cwd=tmp_path)
+    assert result.returncode == 2
+    assert words[0] in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_heights_below_the_surface_are_refused(tmp_path):
+    result = msbsdf("walk", "--heights", "uniform", "--free-path-height", "-2", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "--free-path-height" in result.stderr
+
+
+@pytest.mark.parametrize("command", sorted(QUICK))
+@pytest.mark.parametrize("material", ["conductor", "diffuse", "dielectric"])
+def test_a_report_holds_what_the_contract_says(command, material, tmp_path):
+    out = tmp_path / "report"
+    words = [*QUICK[command], "--material", material, "--out", out, "--json"]
+    result = msbsdf(*words)
+    assert result.returncode == 0, result.stderr
+    summary = json.loads(result.stdout)
+    run = json.loads((out / "run.json").read_text())
+    for key in ("command", "options", "seed", "versions", "started", "wall_s", "rate_per_s"):
+        assert run[key] == summary[key]
+    assert run["bounces_mean"] >= 1
+    energy = table(out / "energy.csv")
+    for theta in {row["theta_i_rad"] for row in energy}:
+        total = sum(float(row["energy"]) for row in energy if row["theta_i_rad"] == theta)
+        assert total == pytest.approx(1, abs=1e-12)
+    assert {row["order"] for row in energy} == {"1", "2", "3", "4", ">4", "all"}
+    assert {float(row["theta_i_rad"]) for row in energy} == {0.5, math.radians(80)}
+    lobe = table(out / "lobe.csv")
+    inside = sum(float(r["density_per_sr"]) * float(r["solid_angle_sr"]) for r in lobe)
+    # Nine digits a bin.
+    assert inside == pytest.approx(2, abs=1e-6)
+    assert {"stderr_xx", "mean_z", "side"} <= set(table(out / "moments.csv")[0])
+    rows = table(out / "free_path.csv")
+    assert {row["height_start"] for row in rows} >= {"-1.0", "0.0", "inf"}
+    for key in {(row["theta_r_rad"], row["height_start"]) for row in rows}:
+        mine = [r for r in rows if (r["theta_r_rad"], r["height_start"]) == key]
+        assert sum(float(r["probability"]) for r in mine) == pytest.approx(1, abs=1e-9)
+        escapes = [r for r in mine if r["height_low"] == r["height_high"] == "inf"]
+        assert len(escapes) == 1
+    assert (out / "sequence.csv").exists() == (material == "dielectric")
+    if material == "dielectric":
+        rows = table(out / "sequence.csv")
+        assert {"R", "T"} <= {row["sequence"] for row in rows}
+        assert all(
+            (row["sequence"].count("T") % 2 == 1) == (row["side"] == "transmitted")
+            for row in rows
+            if not row["sequence"].startswith(">")
+        )
+        assert sum(float(row["energy"]) for row in rows) == pytest.approx(2, abs=1e-12)
+    assert (out / "lobes.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("command", sorted(QUICK))
+def test_the_same_bytes_whatever_the_threads(command, tmp_path):
+    for threads in (1, 2):
+        words = [*QUICK[command], "--seed", 3, "--threads", threads, "--material", "dielectric"]
+        assert msbsdf(*words, "--out", tmp_path / str(threads), "--quiet").returncode == 0
+    for name in ("energy.csv", "moments.csv", "lobe.csv", "free_path.csv", "sequence.csv"):
+        first, second = ((tmp_path / str(t) / name).read_bytes() for t in (1, 2))
+        assert first == second
+
+
+def test_another_seed_gives_other_numbers(tmp_path):
+    for seed in (0, 1):
+        msbsdf(*QUICK["walk"], "--seed", seed, "--out", tmp_path / str(seed))
+    first, second = ((tmp_path / str(s) / "energy.csv").read_bytes() for s in (0, 1))
+    assert first != second
+
+
+def test_a_report_is_not_overwritten_unless_forced(tmp_path):
+    out = tmp_path / "report"
+    assert msbsdf(*QUICK["walk"], "--out", out).returncode == 0
+    before = (out / "energy.csv").read_bytes()
+    (out / "notes.txt").write_text("mine")
+    again = [*QUICK["walk"], "--seed", 9, "--out", out]
+    refused = msbsdf(*again)
+    assert refused.returncode == 2
+    assert "--force" in refused.stderr
+    assert (out / "energy.csv").read_bytes() == before
+    assert msbsdf(*again, "--force").returncode == 0
+    assert (out / "energy.csv").read_bytes() != before
+    assert (out / "notes.txt").read_text() == "mine"
+    assert [p.name for p in tmp_path.iterdir()] == ["report"]
+
+
+def test_a_directory_of_other_files_is_left_alone(tmp_path):
+    (tmp_path / "thesis.tex").write_text("years of work")
+    result = msbsdf(*QUICK["walk"], "--out", tmp_path, "--force")
+    assert result.returncode == 2
+    assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_interrupted_runs_leave_nothing(tmp_path):
+    out = tmp_path / "report"
+    process = subprocess.Popen(
+        [*RUN, "walk", "--samples", "1e11", "--out", str(out)],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    time.sleep(2)
+    process.send_signal(signal.SIGINT)
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode != 0
+    assert "Traceback" not in stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_takes_long_is_said_beforehand(tmp_path):
+    words = ["walk", "--samples", "1e12", "--out", str(tmp_path / "r")]
+    process = subprocess.Popen([*RUN, *words], stderr=subprocess.PIPE, text=True)
+    line = process.stderr.readline()
+    process.terminate()
+    process.communicate(timeout=20)
+    assert "Warning" in line
+    assert "days" in line
+
+
+def test_an_option_without_effect_is_said(tmp_path):
+    words = [*QUICK["walk"], "--albedo", "0.5", "--out", tmp_path / "r"]
+    assert "--albedo has no effect" in msbsdf(*words).stderr
+
+
+def test_mesh_is_saved_and_not_overwritten(tmp_path):
+    import trimesh
+
+    mesh = tmp_path / "surface.ply"
+    words = [*QUICK["simulate"], "--mesh", mesh, "--alpha", "1,0.1", "--out", tmp_path / "r"]
+    assert msbsdf(*words).returncode == 0
+    loaded = trimesh.load_mesh(mesh)
+    # 8 correlation lengths of 2 / alpha, shortened to keep the facets' slopes: 2 (1/2) / 4^2.
+    size = loaded.bounds[1] - loaded.bounds[0]
+    assert size[0] == pytest.approx(16, rel=0.04)
+    assert size[1] == pytest.approx(160, rel=0.04)
+    assert len(loaded.faces) == 2 * 32**2
+    refused = msbsdf(*words[:-1], tmp_path / "r2")
+    assert refused.returncode == 2
+    assert "--mesh" in refused.stderr
+
+
+def test_compare_runs_both_and_compares_reports(tmp_path):
+    out = tmp_path / "both"
+    words = [*QUICK["simulate"][1:], "--alpha", "1", "--out", out]
+    result = msbsdf("compare", *words)
+    assert result.returncode == 0, result.stderr
+    assert "Beyond noise" in result.stdout
+    rows = table(out / "agreement.csv")
+    assert {"energy", "total_variation", "free_path_ks"} <= {row["quantity"] for row in rows}
+    for row in rows:
+        if row["quantity"] == "energy":
+            apart = float(row["modelled"]) - float(row["simulated"])
+            assert float(row["difference"]) == pytest.approx(apart, abs=1e-12)
+    for name in ("agreement.png", "free_path.png", "lobes.png"):
+        assert (out / name).stat().st_size > 10_000
+    # The same from the two reports, in either order.
+    again = msbsdf("compare", out / "walk", out / "simulate", "--out", tmp_path / "again")
+    assert again.returncode == 0, again.stderr
+    assert (tmp_path / "again" / "agreement.csv").read_bytes() == (
+        out / "agreement.csv"
+    ).read_bytes()
+    # And with one handed over, the other is run for its scene.
+    one = msbsdf("compare", out / "simulate", "--samples", 1e4, "--out", tmp_path / "one")
+    assert one.returncode == 0, one.stderr
+
+
+def test_reports_of_different_scenes_are_refused(tmp_path):
+    assert msbsdf(*QUICK["simulate"], "--out", tmp_path / "s").returncode == 0
+    for i, change in enumerate((["--alpha", "0.7"], ["--slopes", "ggx"], ["--metal", "gold"])):
+        model = tmp_path / f"w{i}"
+        assert msbsdf(*QUICK["walk"], *change, "--out", model).returncode == 0
+        result = msbsdf("compare", tmp_path / "s", model, "--out", tmp_path / "c")
+        assert result.returncode == 1
+        assert "different scenes" in result.stderr
+    other = msbsdf("compare", tmp_path / "w0", tmp_path / "w1", "--out", tmp_path / "c")
+    assert other.returncode == 1
+    assert "walk" in other.stderr
+    broken = tmp_path / "s" / "energy.csv"
+    broken.write_text("not,a\ntable")
+    assert msbsdf(*QUICK["walk"], "--out", tmp_path / "w").returncode == 0
+    result = msbsdf("compare", tmp_path / "s", tmp_path / "w", "--out", tmp_path / "c")
+    assert result.returncode == 1
+    assert "energy.csv" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not (tmp_path / "c").exists()
+
+
+def test_compare_refuses_what_is_not_a_report(tmp_path):
+    result = msbsdf("compare", tmp_path / "nothing", "--out", tmp_path / "c")
+    assert result.returncode == 1
+    assert "not a report" in result.stderr
+    assert msbsdf("compare", "a", "b", "c", "--out", tmp_path / "c").returncode == 2
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; from click.testing import CliRunner; from msbsdf_cli.cli import group\n"
+        "for words in ([], ['--help'], ['--version'], ['walk', '--help'], ['compare', '-h'],\n"
+        "              ['simulate', '--help']):\n"
+        "    CliRunner().invoke(group, words)\n"
+        "heavy = {'numpy', 'scipy', 'matplotlib', 'trimesh', 'embreex'} & set(sys.modules)\n"
+        "sys.exit(', '.join(heavy) or 0)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+
+
+def test_a_full_disk_is_a_sentence():
+    result = msbsdf(*QUICK["walk"], "--out", "/proc/nowhere/report")
+    assert result.returncode == 1
+    assert "Traceback" not in result.stderr
+    assert "/proc/nowhere" in result.stderr
