@@ -107,7 +107,8 @@ class Surface:
         vertex = self.faces(rows + 1)[chosen]
         u, v = np.divmod(vertex, rows + 1)
         corners = np.stack([u - MARGIN, v - MARGIN, self._grid.ravel()[vertex]])
-        return corners.transpose(2, 0, 1), self.planes[chosen].T
+        planes = self.planes[chosen].T
+        return np.ascontiguousarray(corners.transpose(2, 0, 1)), np.ascontiguousarray(planes)
 
     @cached_property
     def lift(self) -> float:

@@ -11,10 +11,11 @@ import time
 import pytest
 
 RUN = [sys.executable, "-c", "from msbsdf_cli.cli import main; main()"]
+FEW = ["--theta", "0.5,80deg", "--free-path-theta", "1,2", "--free-path-height", "-1,0,inf"]
 QUICK = {
-    "walk": ["walk", "--samples", "2e4", "--theta", "0.5,80deg"],
-    "simulate": ["simulate", "--samples", "1e4", "--theta", "0.5,80deg", "--realisations", "4",
-                 "--extent", "8", "--cells", "4"],
+    "walk": ["walk", "--samples", "2e4", *FEW],
+    "simulate": ["simulate", "--samples", "1e4", *FEW, "--realisations", "4", "--extent", "8",
+                 "--cells", "4"],
 }  # fmt: skip
 
 
