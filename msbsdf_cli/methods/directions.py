@@ -1,0 +1,58 @@
+"""Outgoing directions as the methods see them, and what all methods ask of a material."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.materials import Conductor, Dielectric, Diffuse, Material
+
+
+@dataclass(frozen=True)
+class Exits:
+    """Directions of leaving, each in the frame of the side it leaves on.
+
+    A direction at the horizon counts as out of reach: its cosine is 0, and so is every value.
+    """
+
+    w: Array
+    """Unit vectors (3, n), point-reflected if `inside`, so that z >= 0."""
+    inside: Array
+    """Who leaves into the inner medium, (n,) of bool."""
+    Lambda: Array
+    """Lambda(w), (n,); infinite at the horizon."""
+
+    @property
+    def n(self) -> int:
+        return self.w.shape[1]
+
+
+def exits(slopes: Slopes, wo: Array) -> Exits:
+    """Directions `wo` (3, n) on either side of the surface."""
+    inside = wo[2] < 0
+    w = np.where(inside, -wo, wo)
+    with np.errstate(divide="ignore"):
+        return Exits(w, inside, slopes.sigma(w) / w[2])
+
+
+def require_known(material: Material, name: str) -> None:
+    """Raise `NotForThis` for a material whose facets have no scattering density here."""
+    if not isinstance(material, Conductor | Diffuse | Dielectric):
+        raise NotForThis(f"method {name} does not know the material {material.name}")
+    if isinstance(material, Dielectric) and material.ior == 1:
+        raise NotForThis(
+            f"method {name} needs an index other than 1: light that goes straight on has no density"
+        )
+
+
+def eta_ratio(material: Material, transmitted: Array) -> Array | float:
+    """(index on the side of leaving / index outside)^2, (n,), 1 for what is reflected.
+
+    Light carries energy here, not radiance; seen from its other end, a path that ends inside
+    carries that factor less.
+    """
+    if not isinstance(material, Dielectric):
+        return 1.0
+    return np.where(transmitted, material.ior**2, 1.0)
