@@ -22,7 +22,7 @@ class Exits:
     inside: Array
     """Who leaves into the inner medium, (n,) of bool."""
     Lambda: Array
-    """Lambda(w), (n,); infinite at the horizon."""
+    """Lambda(w), (n,)."""
 
     @property
     def n(self) -> int:
@@ -33,8 +33,9 @@ def exits(slopes: Slopes, wo: Array) -> Exits:
     """Directions `wo` (3, n) on either side of the surface."""
     inside = wo[2] < 0
     w = np.where(inside, -wo, wo)
-    with np.errstate(divide="ignore"):
-        return Exits(w, inside, slopes.sigma(w) / w[2])
+    # Finite at the horizon, closer to which than rounding no direction is: times t = 0 it is 0.
+    cos_o = np.maximum(w[2], np.finfo(w.dtype).eps ** 2)
+    return Exits(w, inside, slopes.sigma(w) / cos_o)
 
 
 def require_known(material: Material, name: str) -> None:

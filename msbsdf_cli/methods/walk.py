@@ -1,0 +1,118 @@
+"""The random walk of [HHdD16] with next-event estimation, as published."""
+
+from dataclasses import dataclass, field
+from itertools import count
+
+import numpy as np
+
+from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.estimate import BLOCK, Estimate, batches
+from msbsdf_cli.methods.paths import (
+    Paths,
+    arriving,
+    coloured,
+    concatenate,
+    lanes_for,
+    meet,
+    next_event,
+    scatter,
+)
+from msbsdf_cli.methods.protocol import Evaluation
+from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
+from msbsdf_cli.smith.slopes import Slopes
+from msbsdf_cli.smith.walk import exponential, flip, free_path
+from surfaces.facet import Array
+from surfaces.materials import Material
+
+
+@dataclass
+class Walks(Paths):
+    """Paths with their coordinate t = -ln C1(h), at the facet they met."""
+
+    t: Array = field(default_factory=lambda: np.zeros(0))
+
+
+class Walk:
+    """[HHdD16 impl.] Algorithm 2, in the coordinate t: at each facet, the energy towards wo is
+    the phase function times exp(-Lambda(wo) t), the chance of leaving that way unhindered.
+
+    One walk serves all outgoing directions. Walks end only by leaving, or with nothing left.
+    """
+
+    name = "walk"
+
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
+        require_known(material, self.name)
+        self.slopes, self.material, self.orders = slopes, material, orders
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        estimate = Estimate(self.material.channels, self.orders, out.n)
+        for n in batches(samples, out.n):
+            self._follow(wi, n, out, estimate, rng)
+            estimate.close_batch()
+        return Evaluation(*estimate.mean(samples))
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        return sample_walk(self.slopes, self.material, wi, n, rng)
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        return broadened_pdf(self.slopes, self.material, wi, wo)
+
+    def _follow(
+        self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
+    ) -> None:
+        """Add what `n` walks send to the exits."""
+        walks = self._arrive(wi, n, rng)
+        for order in count(1):
+            if order == self.orders + 1:
+                walks.slot = np.arange(walks.n)
+                estimate.open_tail(walks.n, out.n)
+            staying = []
+            for block in walks.blocks(BLOCK):
+                block.m = meet(self.slopes, self.material, block, rng)
+                for piece in block.blocks(lanes_for(out)):
+                    estimate.add(order, self._towards(piece, out), piece.slot)
+                staying.append(self._leave_facet(block, rng))
+            walks = concatenate(staying)
+            if walks.n == 0:
+                return
+
+    def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Walks:
+        """At the first facet: a free path from t = 0."""
+        d = np.tile(-wi[:, None], n)
+        columns = arriving(self.slopes, self.material, d, np.zeros(n, bool))
+        E = exponential(n, rng, wi.dtype.type)
+        _, t = free_path(np.zeros(n, wi.dtype), d, columns["sigma"], E)
+        return Walks(**columns, t=t)
+
+    def _towards(self, walks: Walks, out: Exits) -> Array:
+        """Next events, (channels, n, exits)."""
+        phase, colour = next_event(self.slopes, self.material, walks, out)
+        return coloured(phase * escape(walks.t, walks.inside, out), colour, walks.weight)
+
+    def _leave_facet(self, walks: Walks, rng: np.random.Generator) -> Walks:
+        """The walks that meet another facet, and where."""
+        assert walks.m is not None
+        after, transmitted = scatter(self.slopes, self.material, walks, walks.m, rng)
+        if transmitted is not None:
+            after.t = np.where(transmitted, flip(after.t), after.t)
+        E = exponential(after.n, rng, after.d.dtype.type)
+        leaves, after.t = free_path(after.t, after.d, after.sigma, E)
+        stays = ~leaves
+        if after.weight is not None:
+            stays &= after.weight.any(axis=0)
+        return after.compress(stays)
+
+
+def escape(t: Array, inside: Array | None, out: Exits) -> Array:
+    """Chance exp(-Lambda t) of leaving towards each exit, (n, exits), from `t` (n,)."""
+    if inside is None:
+        return _escape(t, out.Lambda)
+    return np.where(
+        inside[:, None] == out.inside, _escape(t, out.Lambda), _escape(flip(t), out.Lambda)
+    )
+
+
+def _escape(t: Array, Lambda: Array) -> Array:
+    return np.exp(-np.outer(t, Lambda))
