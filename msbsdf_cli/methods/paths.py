@@ -11,13 +11,13 @@ import numpy as np
 
 from msbsdf_cli.methods.directions import Exits
 from msbsdf_cli.methods.estimate import BLOCK
-from msbsdf_cli.smith.kernel import reflection_density, refraction_density
+from msbsdf_cli.smith.kernel import reflection_density, refraction_density, relative_ior
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
-from surfaces.materials import Diffuse, Material
+from surfaces.materials import Dielectric, Diffuse, Material
 
 
-@dataclass
+@dataclass(kw_only=True)
 class Paths:
     """Paths on their way to a facet, or at it. One entry for each, or None where of no use."""
 
@@ -147,3 +147,31 @@ def concatenate(parts: list[P]) -> P:
         for name, first in vars(parts[0]).items()
     }
     return type(parts[0])(**columns)
+
+
+def reversed_phase(
+    slopes: Slopes, material: Material, before: Paths, after: Paths, transmitted: Array | None
+) -> Array:
+    """The phase function (n,) of light that comes back along the paths `after` a facet, for
+    where the paths came from `before` it; colour aside, and for diffuse facets that of the
+    normal that was met."""
+    d, w = before.d, after.d
+    if isinstance(material, Diffuse):
+        assert before.m is not None
+        return -dot(d, before.m) / np.pi
+    sigma = slopes.sigma(-w)
+    if transmitted is None or before.inside is None:
+        return reflection_density(slopes, material, d, w)[0] / sigma
+    assert isinstance(material, Dielectric)
+    density = np.empty_like(sigma)
+    for inside in (False, True):
+        for through in (False, True):
+            lanes = np.flatnonzero((before.inside == inside) & (transmitted == through))
+            pair = d[:, lanes], w[:, lanes]
+            if through:
+                # Energy per steradian, and steradians widen with the square of the index.
+                eta = relative_ior(material, inside)
+                density[lanes] = refraction_density(slopes, material, *pair, inside) / eta**2
+            else:
+                density[lanes] = reflection_density(slopes, material, *pair, inside)[0]
+    return density / sigma

@@ -27,7 +27,9 @@ def sample_walk(
     w = np.concatenate([light.w for light in parts], axis=1)
     full = np.ones((material.channels, 1), wi.dtype)
     weights = [
-        np.broadcast_to(full if light.weight is None else light.weight, (len(full), light.w.shape[1]))
+        np.broadcast_to(
+            full if light.weight is None else light.weight, (len(full), light.w.shape[1])
+        )
         for light in parts
     ]
     shuffled = rng.permutation(w.shape[1])

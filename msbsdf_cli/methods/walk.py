@@ -1,6 +1,6 @@
 """The random walk of [HHdD16] with next-event estimation, as published."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
@@ -25,11 +25,11 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-@dataclass
+@dataclass(kw_only=True)
 class Walks(Paths):
     """Paths with their coordinate t = -ln C1(h), at the facet they met."""
 
-    t: Array = field(default_factory=lambda: np.zeros(0))
+    t: Array
 
 
 class Walk:
