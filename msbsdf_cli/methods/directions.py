@@ -48,12 +48,10 @@ def require_known(material: Material, name: str) -> None:
         )
 
 
-def eta_ratio(material: Material, transmitted: Array) -> Array | float:
-    """(index on the side of leaving / index outside)^2, (n,), 1 for what is reflected.
+def squared_index(material: Material, inside: Array | bool) -> Array | float:
+    """The squared index of the side, that outside being 1; 1 everywhere but for a dielectric.
 
-    Light carries energy here, not radiance; seen from its other end, a path that ends inside
-    carries that factor less.
+    Light carries energy here, not radiance: seen from its other end, a path counts the ratio of
+    the squared indices at its ends.
     """
-    if not isinstance(material, Dielectric):
-        return 1.0
-    return np.where(transmitted, material.ior**2, 1.0)
+    return np.where(inside, material.ior**2, 1.0) if isinstance(material, Dielectric) else 1.0

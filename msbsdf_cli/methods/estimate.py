@@ -4,11 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from msbsdf_cli.smith.walk import BLOCK
 from surfaces.facet import Array
-
-BLOCK = 8192
-"""Values handled together, lanes times directions: a dozen arrays of this length stay in a
-core's second-level cache, and the cost of a NumPy call is spread over enough of them."""
 
 BATCH = 4 * BLOCK
 """Walks followed together: enough that few are left to walk alone after the early orders."""

@@ -7,13 +7,12 @@ from itertools import count
 import numpy as np
 
 from msbsdf_cli.methods.directions import Exits, exits, require_known
-from msbsdf_cli.methods.estimate import BLOCK, Estimate, batches
-from msbsdf_cli.methods.forced import Forced, follow, forced_free_path, roulette, towards
+from msbsdf_cli.methods.estimate import Estimate, batches
+from msbsdf_cli.methods.forced import Forced, follow_forced, forced_free_path, roulette
 from msbsdf_cli.methods.paths import (
     Paths,
     arriving,
     coloured,
-    concatenate,
     lanes_for,
     meet,
     next_event,
@@ -24,7 +23,8 @@ from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.smith.descent import Descent, arriving_descent, slant
 from msbsdf_cli.smith.slopes import Slopes
-from msbsdf_cli.smith.walk import exponential, free_path
+from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
+from surfaces.batch import concatenate
 from surfaces.facet import Array
 from surfaces.materials import Material
 
@@ -108,7 +108,7 @@ class Exact:
                 for block in paths.blocks(BLOCK):
                     block.m = meet(self.slopes, self.material, block, rng)
                     if order > 1:
-                        for piece in block.blocks(lanes_for(out)):
+                        for piece in block.blocks(lanes_for(out.n)):
                             estimate.add(order, self._towards(piece, out), piece.slot)
                     for after in self._leave_facet(block, rng):
                         parts[len(after.L)].append(after)
@@ -135,25 +135,18 @@ class Exact:
         rng: np.random.Generator,
     ) -> None:
         """Go on with the heights sampled so far, from facet number `order`."""
-        walks = concatenate(
-            [
-                Forced(
-                    d=g.d,
-                    sigma=g.sigma,
-                    slot=g.slot,
-                    weight=g.weight,
-                    t=g.t,
-                    share=g.share * g.hit,
-                )
-                for g in groups
-            ]
-        )
-
-        def value(walks: Forced) -> Array:
-            phase, colour = towards(self.slopes, self.material, walks, out)
-            return coloured(phase * walks.share[:, None], colour, walks.weight)
-
-        follow(self.slopes, self.material, walks, out, estimate, rng, value, order)
+        walks = [
+            Forced(
+                d=g.d,
+                sigma=g.sigma,
+                slot=g.slot,
+                weight=g.weight,
+                t=g.t,
+                share=g.share * g.hit,
+            )
+            for g in groups
+        ]
+        follow_forced(self.slopes, self.material, concatenate(walks), out, estimate, rng, order)
 
     def _towards(self, paths: Descents, out: Exits) -> Array:
         """Next events, (channels, n, exits)."""
@@ -171,7 +164,7 @@ class Exact:
         if not mirrors(self.material):
             after.t, chance = forced_free_path(after.t, after.d, after.sigma, rng)
             after.hit = after.hit * chance
-        heads_up = after.d[2] > 0
+        heads_up: Array = np.asarray(after.d[2] > 0)
         up, down = after.compress(heads_up), after.compress(~heads_up)
         ways_on = []
         if up.n:

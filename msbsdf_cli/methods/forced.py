@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.methods.directions import Exits
-from msbsdf_cli.methods.estimate import BLOCK, Estimate
-from msbsdf_cli.methods.paths import Paths, concatenate, lanes_for, meet, next_event, scatter
+from msbsdf_cli.methods.estimate import Estimate
+from msbsdf_cli.methods.paths import Paths, coloured, follow, next_event, scatter
 from msbsdf_cli.methods.walk import escape
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import flip
@@ -16,7 +16,7 @@ from surfaces.materials import Material
 
 PATIENCE = 4
 """A path is ended by chance once it carries less than one part in `PATIENCE`. Any value is
-unbiased; with 4 the product of variance and time was smallest, or nearly, over roughness 0.3 to 1."""
+unbiased; with 4 variance times time was smallest, or nearly, over roughness 0.3 to 1."""
 
 
 @dataclass(kw_only=True)
@@ -28,8 +28,6 @@ class Forced(Paths):
     """Chance to have come so far, over the chance that roulette let it, (n,)."""
     other: Array | None = None
     """What the same first facet, seen from the other end, sends towards the start, (n,)."""
-    start: Array | None = None
-    """Number of the direction that the path starts from, (n,)."""
 
 
 def roulette(left: Array, weight: Array | None, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -57,13 +55,13 @@ def forced_free_path(
 
 def leave_facet(
     slopes: Slopes, material: Material, walks: Forced, rng: np.random.Generator
-) -> tuple[Forced, Array | None]:
-    """The walks in their directions after the facet, and who of them changed sides."""
+) -> Forced:
+    """The walks in their directions after the facet."""
     assert walks.m is not None
     after, transmitted = scatter(slopes, material, walks, walks.m, rng)
     if transmitted is not None:
         after.t = np.where(transmitted, flip(after.t), after.t)
-    return after, transmitted
+    return after
 
 
 def next_facet(walks: Forced, rng: np.random.Generator) -> Forced:
@@ -75,36 +73,25 @@ def next_facet(walks: Forced, rng: np.random.Generator) -> Forced:
     return walks.compress(stays)
 
 
-def follow(
+def follow_forced(
     slopes: Slopes,
     material: Material,
     walks: Forced,
     out: Exits,
     estimate: Estimate,
     rng: np.random.Generator,
-    value: Callable[[Forced], Array],
     order: int,
+    weigh: Callable[[Array, Forced], Array] = lambda value, walks: value,
 ) -> None:
-    """Add `value` (channels, n, exits) of walks at their facet number `order`, and at all later
-    ones, until no walk is left."""
-    while walks.n:
-        if order > estimate.orders and estimate.tail is None:
-            walks.slot = np.arange(walks.n)
-            estimate.open_tail(walks.n, out.n, walks.start)
-        staying = []
-        for block in walks.blocks(BLOCK):
-            block.m = meet(slopes, material, block, rng)
-            for piece in block.blocks(lanes_for(out)):
-                estimate.add(order, value(piece), piece.slot, piece.start)
-            after, _ = leave_facet(slopes, material, block, rng)
-            staying.append(next_facet(after, rng))
-        walks = concatenate(staying)
-        order += 1
+    """Add what walks send to the exits, from their facet number `order` on, until none is left;
+    `weigh` turns contributions (n, exits) into others."""
 
+    def value(walks: Forced) -> Array:
+        phase, colour = next_event(slopes, material, walks, out)
+        here = weigh(phase * escape(walks.t, walks.inside, out), walks)
+        return coloured(here * walks.share[:, None], colour, walks.weight)
 
-def towards(
-    slopes: Slopes, material: Material, walks: Forced, out: Exits
-) -> tuple[Array, Array | None]:
-    """Next events of walks at a facet, (n, exits), and their colour."""
-    phase, colour = next_event(slopes, material, walks, out)
-    return phase * escape(walks.t, walks.inside, out), colour
+    def go_on(walks: Forced) -> Forced:
+        return next_facet(leave_facet(slopes, material, walks, rng), rng)
+
+    follow(slopes, material, walks, out.n, estimate, rng, value, go_on, order)

@@ -3,22 +3,24 @@
 Directions are in the frame of the side they travel in, see `msbsdf_cli.smith.kernel`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits
-from msbsdf_cli.methods.estimate import BLOCK
-from msbsdf_cli.smith.kernel import reflection_density, refraction_density, relative_ior
+from msbsdf_cli.methods.directions import Exits, squared_index
+from msbsdf_cli.methods.estimate import Estimate
+from msbsdf_cli.smith.kernel import reflection_density, refraction_density
 from msbsdf_cli.smith.slopes import Slopes
+from msbsdf_cli.smith.walk import BLOCK
+from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array, dot
-from surfaces.materials import Dielectric, Diffuse, Material
+from surfaces.materials import Diffuse, Material
 
 
 @dataclass(kw_only=True)
-class Paths:
+class Paths(Batch):
     """Paths on their way to a facet, or at it. One entry for each, or None where of no use."""
 
     d: Array
@@ -31,29 +33,15 @@ class Paths:
     """Energy left in each channel, (channels, n)."""
     inside: Array | None = None
     """Who travels in the inner medium, (n,) of bool."""
+    start: Array | None = None
+    """Number of the direction that the path starts from, where they differ, (n,)."""
     m: Array | None = None
     """Normal of the facet that was met, (3, n), of any length; of length 1 if it is diffuse."""
 
     @property
     def n(self) -> int:
+        """The number of paths."""
         return self.slot.size
-
-    def each(self, pick: Callable[[Array], Array]) -> Self:
-        """The same selection from each column that is there."""
-        columns: dict[str, Any] = vars(self)
-        return type(self)(**{k: None if a is None else pick(a) for k, a in columns.items()})
-
-    def compress(self, keep: Array) -> Self:
-        """The paths for which `keep` holds."""
-        if keep.all():
-            return self
-        lanes = np.flatnonzero(keep)
-        return self.each(lambda a: a.take(lanes, axis=-1))
-
-    def blocks(self, size: int) -> Iterator[Self]:
-        """Pieces of at most `size` paths."""
-        for start in range(0, self.n, size):
-            yield self.each(lambda a, start=start: a[..., start : start + size])
 
 
 P = TypeVar("P", bound=Paths)
@@ -69,6 +57,33 @@ def arriving(slopes: Slopes, material: Material, d: Array, inside: Array) -> dic
         "weight": np.ones((material.channels, n), d.dtype) if material.absorbs else None,
         "inside": inside if material.transmits else None,
     }
+
+
+def follow(
+    slopes: Slopes,
+    material: Material,
+    paths: P,
+    exits: int,
+    estimate: Estimate,
+    rng: np.random.Generator,
+    value: Callable[[P], Array],
+    go_on: Callable[[P], P],
+    order: int = 1,
+) -> None:
+    """Add `value` (channels, n, exits) of paths at their facet number `order`, and at all later
+    ones, until none is left. `go_on` leads to the next facet those that meet one."""
+    while paths.n:
+        if order > estimate.orders and estimate.tail is None:
+            paths.slot = np.arange(paths.n)
+            estimate.open_tail(paths.n, exits, paths.start)
+        staying = []
+        for block in paths.blocks(BLOCK):
+            block.m = meet(slopes, material, block, rng)
+            for piece in block.blocks(lanes_for(exits)):
+                estimate.add(order, value(piece), piece.slot, piece.start)
+            staying.append(go_on(block))
+        paths = concatenate(staying)
+        order += 1
 
 
 def meet(slopes: Slopes, material: Material, paths: Paths, rng: np.random.Generator) -> Array:
@@ -133,45 +148,42 @@ def coloured(phase: Array, colour: Array | None, weight: Array | None) -> Array:
     return value if weight is None else value * weight[:, :, None]
 
 
-def lanes_for(out: Exits) -> int:
-    """How many paths fill a block when each looks towards all the exits."""
-    return max(1, BLOCK // out.n)
+def lanes_for(exits: int) -> int:
+    """How many paths fill a block when each looks towards so many exits."""
+    return max(1, BLOCK // exits)
 
 
-def concatenate(parts: list[P]) -> P:
-    """The pieces, put together again."""
-    if len(parts) == 1:
-        return parts[0]
-    columns: dict[str, Any] = {
-        name: None if first is None else np.concatenate([vars(p)[name] for p in parts], axis=-1)
-        for name, first in vars(parts[0]).items()
-    }
-    return type(parts[0])(**columns)
+def pair_density(
+    slopes: Slopes, material: Material, paths: Paths, w: Array, inside: Array | None
+) -> tuple[Array, Array | None]:
+    """q of specular facets from the paths' directions to `w` (3, n), on the sides `inside`, over
+    the squared index on that side: the same from both ends; and a metal's colour.
+
+    Light carries energy, whose density per steradian grows with the square of the index.
+    """
+    if paths.inside is None or inside is None:
+        return reflection_density(slopes, material, paths.d, w)
+    density = np.empty(paths.n, w.dtype)
+    for here in (False, True):
+        for there in (False, True):
+            lanes = np.flatnonzero((paths.inside == here) & (inside == there))
+            pair = paths.d[:, lanes], w[:, lanes]
+            if here == there:
+                part = reflection_density(slopes, material, *pair, here)[0]
+            else:
+                part = refraction_density(slopes, material, *pair, here)
+            density[lanes] = part / squared_index(material, there)
+    return density, None
 
 
-def reversed_phase(
-    slopes: Slopes, material: Material, before: Paths, after: Paths, transmitted: Array | None
-) -> Array:
+def reversed_phase(slopes: Slopes, material: Material, before: Paths, after: Paths) -> Array:
     """The phase function (n,) of light that comes back along the paths `after` a facet, for
     where the paths came from `before` it; colour aside, and for diffuse facets that of the
     normal that was met."""
-    d, w = before.d, after.d
     if isinstance(material, Diffuse):
         assert before.m is not None
-        return -dot(d, before.m) / np.pi
-    sigma = slopes.sigma(-w)
-    if transmitted is None or before.inside is None:
-        return reflection_density(slopes, material, d, w)[0] / sigma
-    assert isinstance(material, Dielectric)
-    density = np.empty_like(sigma)
-    for inside in (False, True):
-        for through in (False, True):
-            lanes = np.flatnonzero((before.inside == inside) & (transmitted == through))
-            pair = d[:, lanes], w[:, lanes]
-            if through:
-                # Energy per steradian, and steradians widen with the square of the index.
-                eta = relative_ior(material, inside)
-                density[lanes] = refraction_density(slopes, material, *pair, inside) / eta**2
-            else:
-                density[lanes] = reflection_density(slopes, material, *pair, inside)[0]
-    return density / sigma
+        return -dot(before.d, before.m) / np.pi
+    density, _ = pair_density(slopes, material, before, after.d, after.inside)
+    if before.inside is not None:
+        density = density * squared_index(material, before.inside)
+    return density / slopes.sigma(-after.d)

@@ -1,19 +1,17 @@
 """The random walk of [HHdD16] with next-event estimation, as published."""
 
 from dataclasses import dataclass
-from itertools import count
+from functools import partial
 
 import numpy as np
 
 from msbsdf_cli.methods.directions import Exits, exits, require_known
-from msbsdf_cli.methods.estimate import BLOCK, Estimate, batches
+from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.paths import (
     Paths,
     arriving,
     coloured,
-    concatenate,
-    lanes_for,
-    meet,
+    follow,
     next_event,
     scatter,
 )
@@ -49,7 +47,16 @@ class Walk:
         out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
         estimate = Estimate(self.material.channels, self.orders, out.n)
         for n in batches(samples, out.n):
-            self._follow(wi, n, out, estimate, rng)
+            follow(
+                self.slopes,
+                self.material,
+                self._arrive(wi, n, rng),
+                out.n,
+                estimate,
+                rng,
+                partial(self._towards, out=out),
+                partial(self._leave_facet, rng=rng),
+            )
             estimate.close_batch()
         return Evaluation(*estimate.mean(samples))
 
@@ -58,25 +65,6 @@ class Walk:
 
     def pdf(self, wi: Array, wo: Array) -> Array:
         return broadened_pdf(self.slopes, self.material, wi, wo)
-
-    def _follow(
-        self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
-    ) -> None:
-        """Add what `n` walks send to the exits."""
-        walks = self._arrive(wi, n, rng)
-        for order in count(1):
-            if order == self.orders + 1:
-                walks.slot = np.arange(walks.n)
-                estimate.open_tail(walks.n, out.n)
-            staying = []
-            for block in walks.blocks(BLOCK):
-                block.m = meet(self.slopes, self.material, block, rng)
-                for piece in block.blocks(lanes_for(out)):
-                    estimate.add(order, self._towards(piece, out), piece.slot)
-                staying.append(self._leave_facet(block, rng))
-            walks = concatenate(staying)
-            if walks.n == 0:
-                return
 
     def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Walks:
         """At the first facet: a free path from t = 0."""

@@ -1,17 +1,14 @@
 """The random walk with the variance reduction of [HHdD16] Section 9.1."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, eta_ratio, exits, require_known
-from msbsdf_cli.methods.estimate import BLOCK, Estimate, batches
-from msbsdf_cli.methods.forced import Forced, follow, leave_facet, next_facet, towards
+from msbsdf_cli.methods.directions import Exits, exits, require_known, squared_index
+from msbsdf_cli.methods.estimate import Estimate, batches
+from msbsdf_cli.methods.forced import Forced, follow_forced, leave_facet, next_facet
 from msbsdf_cli.methods.paths import (
     arriving,
-    coloured,
-    concatenate,
     meet,
     reversed_phase,
 )
@@ -19,7 +16,8 @@ from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.smith.slopes import Slopes
-from msbsdf_cli.smith.walk import exponential, free_path
+from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
+from surfaces.batch import concatenate
 from surfaces.facet import Array
 from surfaces.materials import Diffuse, Material
 
@@ -58,7 +56,7 @@ class WalkLowVariance:
         fair = max(samples // (1 + out.n), ENOUGH_FOR_ERRORS)
         n_o = max(1, min(fair, samples // 2)) if self.both_ends else 0
         n_i = max(1, samples - n_o)
-        ends = _Ends(out, n_o / n_i, eta_ratio(self.material, out.inside) * out.w[2] / wi[2])
+        ends = _Ends(out, n_o / n_i, squared_index(self.material, out.inside) * out.w[2] / wi[2])
         value, stderr = self._from_wi(wi, ends, n_i, rng)
         if self.both_ends:
             from_wo, stderr_wo = self._from_wo(wi, ends, n_o, rng)
@@ -118,33 +116,19 @@ class WalkLowVariance:
         parts = []
         for block in walks.blocks(BLOCK):
             block.m = meet(self.slopes, self.material, block, rng)
-            after, transmitted = leave_facet(self.slopes, self.material, block, rng)
+            after = leave_facet(self.slopes, self.material, block, rng)
             if self.both_ends:
-                after.other = self._seen_from_beyond(block, after, transmitted)
+                after.other = self._seen_from_beyond(block, after)
             parts.append(next_facet(after, rng))
-        follow(
-            self.slopes,
-            self.material,
-            concatenate(parts),
-            out,
-            estimate,
-            rng,
-            partial(self._towards, out=out, ends=ends),
-            order=2,
+        follow_forced(
+            self.slopes, self.material, concatenate(parts), out, estimate, rng, 2, ends.balance
         )
 
-    def _seen_from_beyond(self, walks: Forced, after: Forced, transmitted: Array | None) -> Array:
+    def _seen_from_beyond(self, walks: Forced, after: Forced) -> Array:
         """What the same path, walked from its other end, would send to this walk's start."""
         Lambda = self.slopes.sigma(-walks.d) / np.maximum(-walks.d[2], np.finfo(walks.d.dtype).tiny)
-        back = reversed_phase(self.slopes, self.material, walks, after, transmitted)
+        back = reversed_phase(self.slopes, self.material, walks, after)
         return back * np.exp(-Lambda * walks.t)
-
-    def _towards(self, walks: Forced, out: Exits, ends: "_Ends") -> Array:
-        """Next events weighted by the balance heuristic, (channels, n, exits)."""
-        value, colour = towards(self.slopes, self.material, walks, out)
-        if walks.other is not None:
-            value = ends.balance(value, walks.other[:, None], walks.start)
-        return coloured(value * walks.share[:, None], colour, walks.weight)
 
 
 @dataclass(frozen=True)
@@ -157,13 +141,16 @@ class _Ends:
     scale: Array
     """What a walk from the exit counts, (exits,)."""
 
-    def balance(self, here: Array, there: Array, start: Array | None) -> Array:
-        """Contributions weighted, (n, exits), of walks from wi (`start` None) or from exits
-        (number `start`), from those of the same paths found here and from the other end."""
+    def balance(self, here: Array, walks: Forced) -> Array:
+        """Contributions (n, exits) of walks from wi, or from exits of number `start`, weighed
+        against those of the same paths found from the other end."""
+        if walks.other is None:
+            return here
         tiny = np.finfo(here.dtype).tiny
-        if start is None:
+        there = walks.other[:, None]
+        if walks.start is None:
             there = there * self.scale
             return here * (there / np.maximum(there + self.per_walk * here, tiny))
-        here = here * self.scale[start][:, None]
+        here = here * self.scale[walks.start][:, None]
         there = self.per_walk * there
         return here * (there / np.maximum(here + there, tiny))

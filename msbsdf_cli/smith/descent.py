@@ -1,8 +1,8 @@
 """Heights integrated out: the chance that a path of given directions meets all its facets.
 
-For the directions d_0 ... d_b of a path, d_0 from above, let H(a..b) be the chance that light that
-arrives along d_a, a downward one, meets a facet, leaves it along d_(a+1), meets the next one, and so
-on, and leaves the surface for good along d_b, an upward one. With L = sigma(d) / |d_z| it is
+For the directions d_0 ... d_b of a path, let H(a..b) be the chance that light that arrives from
+above along d_a, a downward one, meets a facet, leaves it along d_(a+1), meets the next one, and
+so on, and leaves the surface for good along d_b, an upward one. With L = sigma(d) / |d_z| it is
 
     H(a..b) = ( [d_(a+1) down] L_a H(a+1..b) + [d_(b-1) up] L_(b-1) H(a..b-1)
                 + sum over k of L_(k-1) H(a..k-1) H(k..b) ) / (L_a + L_b)
@@ -45,7 +45,7 @@ class Descent:
         """H(a..b) for each downward a, p arrays (n, m), if the paths go on along an upward
         direction of L_b = `x`, (m,) or (n, 1); for x = 0 the chance to have come so far."""
         H: list[Array] = []
-        below: Array | float = 1.0
+        below = np.ones((1, 1), self.L.dtype)
         p = len(self.L)
         for a in reversed(range(p)):
             numerator = self.follow[a][:, None] * below + self.up[a][:, None]

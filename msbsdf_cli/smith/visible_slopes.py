@@ -2,8 +2,9 @@
 
 The slopes of a distribution, each divided by its roughness, are written in polar coordinates
 (tan psi, phi). Those visible from a direction are a half plane, those visible from two an
-intersection of half planes. Between the azimuths where its border changes, the integrand is smooth
-in phi, and along each azimuth it is smooth in psi up to the border: Gauss-Legendre nodes serve both.
+intersection of half planes. Between the azimuths where its border changes, the integrand is
+smooth in phi, and along each azimuth it is smooth in psi up to the border: Gauss-Legendre nodes
+serve both.
 """
 
 import numpy as np
