@@ -4,6 +4,7 @@ import numpy as np
 
 from msbsdf_cli.methods.directions import Exits, exits, require_known
 from msbsdf_cli.methods.protocol import Evaluation
+from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.kernel import diffuse_density, masking_shadowing, scatter_density
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
@@ -13,8 +14,8 @@ from surfaces.materials import Conductor, Diffuse, Material
 class Single:
     """One bounce with height-correlated masking and shadowing, [HHdD16] Eqs. 11, 16 and 17.
 
-    No noise: diffuse facets are integrated over by quadrature. What later bounces carry is not
-    part of the model, and not counted as unresolved.
+    No noise: diffuse facets are integrated over by quadrature. The energy that later bounces
+    would carry is unresolved.
     """
 
     name = "single"
@@ -27,7 +28,8 @@ class Single:
         value = np.zeros((self.material.channels, self.orders + 1, wo.shape[1]), wi.dtype)
         out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
-        return Evaluation(value, np.zeros_like(value))
+        later = 1 - float(first_order_albedo(self.slopes, self.material, wi[:, None])[0])
+        return Evaluation(value, np.zeros_like(value), unresolved=max(later, 0.0))
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """One facet, by visible normals; the weight is shadowing given masking, 0 for light that

@@ -23,13 +23,15 @@ def visible_slopes(
     w: Array | None = None,
     radial_nodes: int = RADIAL_NODES,
     azimuth_nodes: int = AZIMUTH_NODES,
+    split: bool = False,
 ) -> tuple[Array, Array]:
     """Unit normals m (3, nodes, n) and weights (nodes, n) for directions of travel `d` (3, n):
 
         sum of weights f(m) = integral of <-d, m> D(m) f(m) dm
 
     over the normals that also face `w` (3, n), where it is given. The weights alone sum to
-    sigma(d), for `w` None.
+    sigma(d), for `w` None. `split` has twice the radial nodes and puts a border between
+    them where mirrors would send `d` to the horizon, for the sake of kinks there.
     """
     lines = [(-d[2], slopes.alpha_x * d[0], slopes.alpha_y * d[1])]
     if w is not None:
@@ -44,10 +46,16 @@ def visible_slopes(
         border = np.arctan2(np.abs(a), np.where(a >= 0, -b, b))
         high = np.where(a >= 0, np.minimum(high, border), high)
         low = np.where(a >= 0, low, np.maximum(low, border))
-    span = np.maximum(high - np.minimum(low, high), 0)
+    high = np.maximum(low, high)
     x, x_weight = _unit_interval(radial_nodes)
-    psi = low + span * x[:, None, None]
-    weight = weight * span * x_weight[:, None, None]
+    x, x_weight = x[:, None, None], x_weight[:, None, None]
+    if split:
+        middle = np.clip(_mirrored_to_horizon(slopes, d, cos_phi, sin_phi), low, high)
+        psi = np.concatenate([low + (middle - low) * x, middle + (high - middle) * x])
+        weight = weight * np.concatenate([(middle - low) * x_weight, (high - middle) * x_weight])
+    else:
+        psi = low + (high - low) * x
+        weight = weight * (high - low) * x_weight
 
     cos_psi, sin_psi = np.cos(psi), np.sin(psi)
     m = np.stack(
@@ -59,6 +67,19 @@ def visible_slopes(
     weight *= slopes.D(m) * np.maximum(-dot(d[:, None, None, :], m), 0)
     n = d.shape[1]
     return m.reshape(3, -1, n), weight.reshape(-1, n)
+
+
+def _mirrored_to_horizon(slopes: Slopes, d: Array, cos_phi: Array, sin_phi: Array) -> Array:
+    """Radial angle psi of the facets that mirror `d` to the horizon, for each azimuth.
+
+    With -d . (-x, -y, 1) = a + b r and x^2 + y^2 = A^2 r^2: a A^2 r^2 - 2 b r - a = 0.
+    """
+    A_x, A_y = slopes.alpha_x * cos_phi, slopes.alpha_y * sin_phi
+    a, b = -d[2], d[0] * A_x + d[1] * A_y
+    A2 = A_x * A_x + A_y * A_y
+    root = np.sqrt(b * b + a * a * A2)
+    # Of the two forms of the root, the one that adds terms of one sign.
+    return np.where(b > 0, np.arctan2(b + root, a * A2), np.arctan2(a, root - b))
 
 
 def _turns(lines: list[tuple[Array, Array, Array]]) -> Array:
