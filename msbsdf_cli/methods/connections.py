@@ -17,7 +17,7 @@ from functools import partial
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, squared_index
+from msbsdf_cli.methods.directions import Exits, far_end
 from msbsdf_cli.methods.estimate import Estimate
 from msbsdf_cli.methods.paths import Paths, arriving, meet, pair_density, scatter
 from msbsdf_cli.methods.segments import leaving_chance, meeting_chance
@@ -78,7 +78,7 @@ def _connect_block(
     d = np.tile(-wi[:, None], n)
     from_wi = _walk(model, d, np.zeros(n, bool), False, rng)
     from_wo = _walk(model, -out.w[:, start], out.inside[start], True, rng)
-    scale = (out.w[2] * squared_index(model.material, out.inside))[start]
+    scale = far_end(model.material, out)[start]
     total = np.zeros((model.material.channels, estimate.orders + 1, pairs))
     where = np.full(n, -1)
     for s, one in enumerate(from_wi):

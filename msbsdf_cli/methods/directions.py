@@ -55,3 +55,10 @@ def squared_index(material: Material, inside: Array | bool) -> Array | float:
     the squared indices at its ends.
     """
     return np.where(inside, material.ior**2, 1.0) if isinstance(material, Dielectric) else 1.0
+
+
+def far_end(material: Material, out: Exits) -> Array:
+    """What a path that is found from its exit counts for the exit, (n,), but for its near end:
+    cos(theta_o) times the squared index there; 0 on a side where no light gets to."""
+    reached = ~out.inside | material.transmits
+    return np.where(reached, out.w[2] * squared_index(material, out.inside), 0)

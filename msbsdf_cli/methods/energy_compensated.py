@@ -103,8 +103,8 @@ class EnergyCompensated:
         return Evaluation(value, np.zeros_like(value))
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        """The first facet by visible normals, or a cosine lobe, as their energies are. The weight is
-        0 where the facet sends light back to the surface."""
+        """The first facet by visible normals, or a cosine lobe, as their energies are; the weight
+        is 0 where the facet sends light back to the surface."""
         d = -wi[:, None]
         m = self.slopes.visible_normals(-d, n, rng)
         w, _, transmitted = self.material.scatter(d, m, None, rng)

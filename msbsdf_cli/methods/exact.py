@@ -3,6 +3,7 @@
 from collections import defaultdict
 from dataclasses import dataclass, replace
 from itertools import count
+from typing import cast
 
 import numpy as np
 
@@ -164,7 +165,7 @@ class Exact:
         if not mirrors(self.material):
             after.t, chance = forced_free_path(after.t, after.d, after.sigma, rng)
             after.hit = after.hit * chance
-        heads_up = np.asarray(after.d[2] > 0)
+        heads_up = cast(Array, after.d[2] > 0)
         up, down = after.compress(heads_up), after.compress(~heads_up)
         ways_on = []
         if up.n:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, exits, require_known, squared_index
+from msbsdf_cli.methods.directions import Exits, exits, far_end, require_known
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.forced import Forced, follow_forced, leave_facet, next_facet
 from msbsdf_cli.methods.paths import (
@@ -56,7 +56,7 @@ class WalkLowVariance:
         fair = max(samples // (1 + out.n), ENOUGH_FOR_ERRORS)
         n_o = max(1, min(fair, samples // 2)) if self.both_ends else 0
         n_i = max(1, samples - n_o)
-        ends = _Ends(out, n_o / n_i, squared_index(self.material, out.inside) * out.w[2] / wi[2])
+        ends = _Ends(out, n_o / n_i, far_end(self.material, out) / wi[2])
         value, stderr = self._from_wi(wi, ends, n_i, rng)
         if self.both_ends:
             from_wo, stderr_wo = self._from_wo(wi, ends, n_o, rng)

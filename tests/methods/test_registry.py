@@ -1,0 +1,81 @@
+"""What holds for every method: names, shapes, samples that follow the values."""
+
+import numpy as np
+import pytest
+from spheres import direction, hemisphere, sphere
+
+from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
+from surfaces.materials import Conductor, Dielectric, Diffuse
+
+RNG = np.random.default_rng
+MATERIALS = [Conductor(((0.2, 3.9), (1.5, 2.0))), Diffuse((0.9, 0.3, 0.5)), Dielectric(1.5)]
+REFUSED = {("exact", "dielectric"), ("energy-compensated", "diffuse")}
+
+
+@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("material", MATERIALS, ids=lambda m: m.name)
+def test_samples_follow_the_values(name, material):
+    if (name, material.name) in REFUSED:
+        with pytest.raises(NotForThis, match=f"method {name}"):
+            METHODS[name](Ggx(0.8, 0.8), material, 2)
+        return
+    method, wi = METHODS[name](Beckmann(1, 0.8), material, 2), direction(0.8, 0.3)
+    assert method.name == name
+    probe, solid_angle = sphere(32 if material.transmits else 10)
+    evaluation = method.evaluate(wi, probe, 1500, RNG(1))
+    shape = (material.channels, 3, probe.shape[1])
+    assert evaluation.value.shape == evaluation.stderr.shape == shape
+    assert np.isfinite(evaluation.stderr).all()
+    if not material.transmits:
+        assert (evaluation.value[..., probe[2] < 0] == 0).all()
+    w, weight = method.sample(wi, 40000, RNG(2))
+    assert weight.shape == (material.channels, 40000)
+    # One evaluation's values share their walks: the error of their sum is bounded by the sum of
+    # their errors, of which a third is a fair guess; 1 % is the rule over directions.
+    for g in (lambda w: np.ones(w.shape[1]), lambda w: w[2], lambda w: w[0]):
+        got = weight * g(w)
+        moment = (evaluation.value.sum(axis=1) * g(probe) * solid_angle).sum(axis=-1)
+        noise = (np.sqrt((evaluation.stderr**2).sum(axis=1)) * solid_angle).sum(axis=-1)
+        tolerance = 4 * got.std(axis=1) / 200 + 0.33 * noise + 0.01
+        assert (np.abs(got.mean(axis=1) - moment) < tolerance).all()
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_densities_are_densities(name):
+    w, solid_angle = hemisphere(48)
+    for slopes in (Beckmann(0.6, 0.6), Ggx(1, 0.5)):
+        method = METHODS[name](slopes, Conductor(), 2)
+        total = (method.pdf(direction(0.9, 0.2), w) * solid_angle).sum()
+        # What the first facet sends below the horizon is missing.
+        assert 0.5 < total < 1 + 1e-3
+
+
+def test_energy_compensation_returns_all_energy_and_is_reciprocal():
+    w, solid_angle = hemisphere(48)
+    for material in (Conductor(), Dielectric(1.5)):
+        method = METHODS["energy-compensated"](Beckmann(1, 1), material, 3)
+        wi, wo = direction(0.7), direction(1.2, 1.0)
+        total = sum(
+            (method.evaluate(wi, side * w, 0, RNG(0)).value[0].sum(axis=0) * solid_angle).sum()
+            for side in (1, -1)
+        )
+        # The table's splines are right to 1e-3 here.
+        assert abs(total - 1) < 1e-3
+        there = method.evaluate(wi, wo[:, None], 0, RNG(0)).value[0, :, 0] / wo[2]
+        back = method.evaluate(wo, wi[:, None], 0, RNG(0)).value[0, :, 0] / wi[2]
+        np.testing.assert_allclose(there, back, rtol=1e-9)
+        assert there[-1] > 0
+        assert (there[1:-1] == 0).all()
+
+
+def test_turquin_returns_all_energy_of_a_mirror_but_is_not_reciprocal():
+    w, solid_angle = hemisphere(48)
+    method = METHODS["energy-compensated"](Ggx(1, 1), Conductor(), 1, variant="turquin")
+    total = (method.evaluate(direction(0.7), w, 0, RNG(0)).value[0].sum(axis=0) * solid_angle).sum()
+    assert abs(total - 1) < 1e-3
+    a, b = direction(0.2), direction(1.3)
+    there = method.evaluate(a, b[:, None], 0, RNG(0)).value[0, 1, 0] / b[2]
+    back = method.evaluate(b, a[:, None], 0, RNG(0)).value[0, 1, 0] / a[2]
+    assert there / back > 1.5
