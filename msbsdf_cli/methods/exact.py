@@ -3,7 +3,6 @@
 from collections import defaultdict
 from dataclasses import dataclass, replace
 from itertools import count
-from typing import cast
 
 import numpy as np
 
@@ -30,7 +29,9 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 HEIGHTS_FROM = 5
-"""Paths of diffuse facets have their heights integrated out up to the facet before this one."""
+HEIGHTS_FROM_MIRRORS = 24
+"""Paths of diffuse facets and of mirrors have their heights integrated out up to the facet before
+this one. Of mirrors, hardly a path comes so far unless roughness is well above 1."""
 
 
 @dataclass(kw_only=True)
@@ -60,8 +61,9 @@ class Exact:
     and the first order in closed form. Paths go on as long as the chance is good that light meets
     another facet along their directions, and end by roulette: no bias, no cap.
 
-    Where light turns down again, the work for a path grows with the cube of its length. There,
-    heights are sampled from facet number `HEIGHTS_FROM` on, whose orders are then noisier.
+    The work for a path grows with the square of its length, with the cube where light turns down
+    again. From facet number `HEIGHTS_FROM` on (`HEIGHTS_FROM_MIRRORS`), heights are sampled:
+    those orders are noisier, and no less right.
     """
 
     name = "exact"
@@ -101,7 +103,7 @@ class Exact:
         for order in count(1):
             if order == self.orders + 1:
                 _open_tail(groups, out, estimate)
-            if order == HEIGHTS_FROM and not mirrors(self.material):
+            if order == (HEIGHTS_FROM_MIRRORS if mirrors(self.material) else HEIGHTS_FROM):
                 self._sample_heights(groups, out, estimate, order, rng)
                 return
             parts = defaultdict(list)
@@ -161,11 +163,10 @@ class Exact:
         assert paths.m is not None
         after, _ = scatter(self.slopes, self.material, paths, paths.m, rng)
         if after.weight is not None:
-            after = after.compress(after.weight.any(axis=0))
-        if not mirrors(self.material):
-            after.t, chance = forced_free_path(after.t, after.d, after.sigma, rng)
-            after.hit = after.hit * chance
-        heads_up = cast(Array, after.d[2] > 0)
+            after = after.compress(after.weight.max(axis=0) > 0)
+        after.t, chance = forced_free_path(after.t, after.d, after.sigma, rng)
+        after.hit = after.hit * chance
+        heads_up = after.d[2] > 0
         up, down = after.compress(heads_up), after.compress(~heads_up)
         ways_on = []
         if up.n:
