@@ -126,8 +126,8 @@ def _walk(
 def _step(
     model: Model, path: SubPath, reverse: bool, first: bool, rng: np.random.Generator
 ) -> SubPath:
-    """One facet further; an upward direction is followed with the chance Lambda / (1 + Lambda),
-    that of the uncorrelated model, which is 0 in the long run for any material."""
+    """One facet further; an upward direction is followed with the chance Lambda / (1 + Lambda) of
+    the uncorrelated model, so that sub-paths end, and always by the same rule."""
     slopes, material = model.slopes, model.material
     assert path.m is not None
     after, transmitted = scatter(slopes, material, path, path.m, rng)
@@ -138,28 +138,31 @@ def _step(
     survives = np.where(d[2] > 0, after.L / (1 + after.L), 1)
     # A direction that goes up here goes down seen from the other end, and the reverse.
     survives_back = np.where(d[2] < 0, after.back / (1 + after.back), 1)
-    if isinstance(material, Diffuse):
-        # The facet is the one that light from wi finds, whichever end walks.
-        if reverse:
-            density = slopes.sigma(-d) * -dot(path.d, path.m) / np.pi
-        else:
-            density = path.sigma * dot(d, path.m) / np.pi
-    else:
-        density, _ = pair_density(slopes, material, path, d, after.inside)
+    density = _sampled_density(model, path, after, reverse)
     if reverse:
         before, ahead, ahead_L = after.back, -path.d, path.back
     else:
         before, ahead, ahead_L = path.L, d, after.L
-    if reverse and first:
-        chance = leaving_chance(before, ahead_L, through, model.correlated)
-    else:
-        chance = meeting_chance(before, ahead, ahead_L, through, model.correlated)
-    after.S = path.S * chance / before
+    chance_of = leaving_chance if reverse and first else meeting_chance
+    after.S = path.S * chance_of(before, ahead, ahead_L, through, model.correlated) / before
     possible = density > 0
     here = np.abs(path.d[2] * d[2]) * path.P / np.where(possible, density, 1)
     after.X = (path.X / after.back + here) * survives_back
     after.P = path.P / path.L * survives
     return after.compress(possible & (rng.random(after.n, dtype=d.dtype) < survives))
+
+
+def _sampled_density(model: Model, path: SubPath, after: SubPath, reverse: bool) -> Array:
+    """What q_(s+1) is had the two directions at this facet been connected, (n,).
+
+    A diffuse facet is always the one that light from wi finds, whichever end walks.
+    """
+    if not isinstance(model.material, Diffuse):
+        return pair_density(model.slopes, model.material, path, after.d, after.inside)[0]
+    assert path.m is not None
+    if reverse:
+        return model.slopes.sigma(-after.d) * -dot(path.d, path.m) / np.pi
+    return path.sigma * dot(after.d, path.m) / np.pi
 
 
 def _connect(model: Model, a: SubPath, b: SubPath, last: bool) -> Array:
@@ -176,10 +179,8 @@ def _connect(model: Model, a: SubPath, b: SubPath, last: bool) -> Array:
     through: Array | bool = False
     if a.inside is not None and b.inside is not None:
         through = a.inside != b.inside
-    if last:
-        chance = leaving_chance(a.L, b.back, through, model.correlated)
-    else:
-        chance = meeting_chance(a.L, w, b.back, through, model.correlated)
+    chance_of = leaving_chance if last else meeting_chance
+    chance = chance_of(a.L, w, b.back, through, model.correlated)
     here = np.abs(a.d[2] * w[2]) * a.P * b.P
     elsewhere = a.X * b.P / b.L + b.X * a.P / a.L
     segments = a.S * b.S * chance / a.L

@@ -95,8 +95,8 @@ class PositionFree:
         after, transmitted = scatter(self.slopes, self.material, paths, m, rng)
         after.L = slant(after.d, after.sigma)
         through = False if transmitted is None else transmitted
-        chance = leaving_chance(paths.L, after.L, through, self.correlated)
-        leaves = (after.d[2] > 0) & (rng.random(after.n, dtype=w.dtype) < chance)
+        chance = leaving_chance(paths.L, after.d, after.L, through, self.correlated)
+        leaves = rng.random(after.n, dtype=w.dtype) < chance
         done = after.compress(leaves)
         inside = np.zeros(done.n, bool) if done.inside is None else done.inside
         w[:, done.slot] = np.where(inside, -done.d, done.d)

@@ -20,21 +20,22 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-def leaving_chance(L: Array, Lambda: Array, through: Array | bool, correlated: bool) -> Array:
-    """Chance to leave unhindered along an upward direction of `Lambda` after arriving along a
-    direction of `L` = sigma / |d_z|, for light that reflects or goes `through` the facet.
+def leaving_chance(
+    L: Array, d: Array, Lambda: Array, through: Array | bool, correlated: bool
+) -> Array:
+    """Chance to leave unhindered along `d` (3, n), of `Lambda`, after arriving along a direction of
+    `L` = sigma / |d_z|, for light that reflects or goes `through` the facet.
 
     [WJFYHY22 supp.] Eqs. 3 and 12, written with L for 1 + Lambda(-d) and both hemispheres; the
-    Beta function for transmission as in [HHdD16 impl.] 3.4.
+    Beta function for transmission as in [HHdD16 impl.] 3.4. 0 for a downward direction.
     """
-    if not correlated:
-        return 1 / (1 + Lambda) + np.zeros_like(L)
-    reflected = L / (L + Lambda)
-    if not np.any(through):
-        return reflected
-    # Of two enormous arguments the difference of logarithms is lost, but never above 1.
-    transmitted = np.exp(np.minimum(np.log(L) + betaln(L, 1 + Lambda), 0))
-    return np.where(through, transmitted, reflected).astype(L.dtype, copy=False)
+    if correlated:
+        upward = L / (L + Lambda)
+        if np.any(through):
+            upward = np.where(through, np.exp(_log_transmits(L, Lambda)), upward)
+    else:
+        upward = 1 / (1 + Lambda) + np.zeros_like(L)
+    return np.where(d[2] > 0, upward, 0).astype(d.dtype, copy=False)
 
 
 def meeting_chance(
@@ -49,9 +50,13 @@ def meeting_chance(
     else:
         upward = L_next / (L + L_next)
         if np.any(through):
-            log_leaves = np.minimum(np.log(L) + betaln(L, 1 + L_next), 0)
-            upward = np.where(through, -np.expm1(log_leaves), upward)
+            upward = np.where(through, -np.expm1(_log_transmits(L, L_next)), upward)
     return np.where(d[2] > 0, upward, 1).astype(d.dtype, copy=False)
+
+
+def _log_transmits(L: Array, Lambda: Array) -> Array:
+    """ln(L B(L, 1 + Lambda)), never above 0, whatever rounding does to enormous arguments."""
+    return np.minimum(np.log(L) + betaln(L, 1 + Lambda), 0)
 
 
 @dataclass(kw_only=True)
@@ -72,7 +77,7 @@ def send(
     through: Array | bool = False
     if paths.inside is not None:
         through = paths.inside[:, None] != out.inside
-    leaves = leaving_chance(paths.L[:, None], out.Lambda[None], through, correlated)
+    leaves = leaving_chance(paths.L[:, None], out.w[:, None], out.Lambda[None], through, correlated)
     return coloured(phase * leaves * paths.share[:, None], colour, paths.weight)
 
 
