@@ -6,6 +6,7 @@ from spheres import direction, hemisphere, largest_z
 
 from msbsdf_cli.methods.exact import Exact
 from msbsdf_cli.methods.position_free import PositionFreeCorrelated, PositionFreeUncorrelated
+from msbsdf_cli.methods.segments import leaving_chance, meeting_chance
 from msbsdf_cli.methods.walk import Walk
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from surfaces.materials import Conductor, Dielectric, Diffuse
@@ -87,3 +88,28 @@ def _both_ways(model):
         value[..., k] = back.value[..., 0] * b[2, k] / a[2]
         stderr[..., k] = back.stderr[..., 0] * b[2, k] / a[2]
     return (there.value, there.stderr), (value, stderr)
+
+
+@pytest.mark.parametrize("correlated", [False, True])
+@pytest.mark.parametrize("through", [False, True])
+def test_light_either_leaves_or_meets_another_facet(correlated, through):
+    rng = np.random.default_rng(5)
+    d = direction(np.pi * rng.random(200), 6 * rng.random(200))
+    L, L_next = 1 + rng.exponential(2, 200), rng.exponential(2, 200)
+    leaves = leaving_chance(L, d, L_next, through, correlated)
+    meets = meeting_chance(L, d, L_next, through, correlated)
+    np.testing.assert_allclose(leaves + meets, 1, rtol=1e-12)
+    assert (leaves[d[2] < 0] == 0).all()
+
+
+def test_leaving_chance_is_that_of_heights_spread_by_the_last_direction():
+    # Arriving along L puts C1 = exp(-t) with t exponential of rate L; leaving takes C1^Lambda,
+    # and (1 - C1)^Lambda on the other side.
+    rng = np.random.default_rng(6)
+    L, Lambda, up = np.array([1.7]), np.array([0.6]), direction(0.5)[:, None]
+    C1 = np.exp(-rng.exponential(1 / L, 200000))
+    for through, heights in ((False, C1), (True, 1 - C1)):
+        sampled = heights**Lambda
+        chance = leaving_chance(L, up, Lambda, through, correlated=True)[0]
+        assert abs(sampled.mean() - chance) < 4 * sampled.std() / np.sqrt(sampled.size)
+    assert leaving_chance(L, up, Lambda, False, correlated=False)[0] == pytest.approx(1 / 1.6)
