@@ -1,0 +1,64 @@
+"""Outgoing directions as the methods see them, and what all methods ask of a material."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.materials import Conductor, Dielectric, Diffuse, Material
+
+
+@dataclass(frozen=True)
+class Exits:
+    """Directions of leaving, each in the frame of the side it leaves on.
+
+    A direction at the horizon counts as out of reach: its cosine is 0, and so is every value.
+    """
+
+    w: Array
+    """Unit vectors (3, n), point-reflected if `inside`, so that z >= 0."""
+    inside: Array
+    """Who leaves into the inner medium, (n,) of bool."""
+    Lambda: Array
+    """Lambda(w), (n,)."""
+
+    @property
+    def n(self) -> int:
+        return self.w.shape[1]
+
+
+def exits(slopes: Slopes, wo: Array) -> Exits:
+    """Directions `wo` (3, n) on either side of the surface."""
+    inside = wo[2] < 0
+    w = np.where(inside, -wo, wo)
+    # Finite at the horizon, closer to which than rounding no direction is: times t = 0 it is 0.
+    cos_o = np.maximum(w[2], np.finfo(w.dtype).eps ** 2)
+    return Exits(w, inside, slopes.sigma(w) / cos_o)
+
+
+def require_known(material: Material, name: str) -> None:
+    """Raise `NotForThis` for a material whose facets have no scattering density here."""
+    if not isinstance(material, Conductor | Diffuse | Dielectric):
+        raise NotForThis(f"method {name} does not know the material {material.name}")
+    if isinstance(material, Dielectric) and material.ior == 1:
+        raise NotForThis(
+            f"method {name} needs an index other than 1: light that goes straight on has no density"
+        )
+
+
+def squared_index(material: Material, inside: Array | bool) -> Array | float:
+    """The squared index of the side, that outside being 1; 1 everywhere but for a dielectric.
+
+    Light carries energy here, not radiance: seen from its other end, a path counts the ratio of
+    the squared indices at its ends.
+    """
+    return np.where(inside, material.ior**2, 1.0) if isinstance(material, Dielectric) else 1.0
+
+
+def far_end(material: Material, out: Exits) -> Array:
+    """What a path that is found from its exit counts for the exit, (n,), but for its near end:
+    cos(theta_o) times the squared index there; 0 on a side where no light gets to."""
+    reached = ~out.inside | material.transmits
+    return np.where(reached, out.w[2] * squared_index(material, out.inside), 0)

@@ -1,0 +1,193 @@
+"""The Smith model with its heights integrated out: only directions are sampled."""
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+
+from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.estimate import Estimate, batches
+from msbsdf_cli.methods.forced import Forced, follow_forced, forced_free_path, roulette
+from msbsdf_cli.methods.paths import (
+    Paths,
+    arriving,
+    coloured,
+    lanes_for,
+    meet,
+    next_event,
+    scatter,
+)
+from msbsdf_cli.methods.protocol import Evaluation, NotForThis
+from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
+from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.smith.descent import Descent, arriving_descent, slant
+from msbsdf_cli.smith.slopes import Slopes
+from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
+from surfaces.batch import concatenate
+from surfaces.facet import Array
+from surfaces.materials import Material
+
+HEIGHTS_FROM = 5
+HEIGHTS_FROM_MIRRORS = 24
+"""Paths of diffuse facets and of mirrors have their heights integrated out up to the facet before
+this one. Of mirrors, hardly a path comes so far unless roughness is well above 1."""
+
+
+@dataclass(kw_only=True)
+class Descents(Paths):
+    """Paths with the columns of `msbsdf_cli.smith.descent.Descent`, all with as many ways down."""
+
+    share: Array
+    """1 over the chance that roulette let the path come so far, (n,)."""
+    t: Array
+    hit: Array
+    """Heights sampled along with the directions, and the chance of these, for later use, (n,)."""
+    L: Array
+    follow: Array
+    up: Array
+    turn: Array | None
+
+    @property
+    def descent(self) -> Descent:
+        return Descent(self.L, self.follow, self.up, self.turn)
+
+
+class Exact:
+    """The model of Bitterli & d'Eon 2022 and Cui et al. 2023, which is that of [HHdD16] with the
+    integral over heights done (`msbsdf_cli.smith.descent`).
+
+    Directions are sampled along the scattering kernel, with a next event towards wo at each facet
+    and the first order in closed form. Paths go on as long as the chance is good that light meets
+    another facet along their directions, and end by roulette: no bias, no cap.
+
+    The work for a path grows with the square of its length, with the cube where light turns down
+    again. From facet number `HEIGHTS_FROM` on (`HEIGHTS_FROM_MIRRORS`), heights are sampled:
+    those orders are noisier, and no less right.
+    """
+
+    name = "exact"
+
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
+        require_known(material, self.name)
+        if material.transmits:
+            raise NotForThis(
+                "method exact is for conductors and diffuse facets: light that changes sides turns "
+                "the surface upside down, and its heights cannot be integrated out beyond that"
+            )
+        self.slopes, self.material, self.orders = slopes, material, orders
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        estimate = Estimate(self.material.channels, self.orders, out.n)
+        for n in batches(samples, out.n):
+            self._follow(wi, n, out, estimate, rng)
+            estimate.close_batch()
+        value, stderr = estimate.mean(samples)
+        value[:, 0] = first_order(self.slopes, self.material, wi, out)
+        stderr[:, 0] = 0
+        return Evaluation(value, stderr)
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """By the random walk, whose heights make it a sampler of the same model."""
+        return sample_walk(self.slopes, self.material, wi, n, rng)
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        return broadened_pdf(self.slopes, self.material, wi, wo)
+
+    def _follow(
+        self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
+    ) -> None:
+        """Add what `n` paths send to the exits from their second facet on."""
+        groups = [self._arrive(wi, n, rng)]
+        for order in count(1):
+            if order == self.orders + 1:
+                _open_tail(groups, out, estimate)
+            if order == (HEIGHTS_FROM_MIRRORS if mirrors(self.material) else HEIGHTS_FROM):
+                self._sample_heights(groups, out, estimate, order, rng)
+                return
+            parts = defaultdict(list)
+            for paths in groups:
+                for block in paths.blocks(BLOCK):
+                    block.m = meet(self.slopes, self.material, block, rng)
+                    if order > 1:
+                        for piece in block.blocks(lanes_for(out.n)):
+                            estimate.add(order, self._towards(piece, out), piece.slot)
+                    for after in self._leave_facet(block, rng):
+                        parts[len(after.L)].append(after)
+            groups = [concatenate(same_depth) for same_depth in parts.values()]
+            if not groups:
+                return
+
+    def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Descents:
+        columns = arriving(self.slopes, self.material, np.tile(-wi[:, None], n), np.zeros(n, bool))
+        descent = arriving_descent(
+            slant(columns["d"], columns["sigma"]), not mirrors(self.material)
+        )
+        E = exponential(n, rng, wi.dtype.type)
+        _, t = free_path(np.zeros(n, wi.dtype), columns["d"], columns["sigma"], E)
+        one = np.ones(n, wi.dtype)
+        return Descents(**columns, t=t, hit=one, share=one, **vars(descent))
+
+    def _sample_heights(
+        self,
+        groups: list[Descents],
+        out: Exits,
+        estimate: Estimate,
+        order: int,
+        rng: np.random.Generator,
+    ) -> None:
+        """Go on with the heights sampled so far, from facet number `order`."""
+        walks = [
+            Forced(
+                d=g.d,
+                sigma=g.sigma,
+                slot=g.slot,
+                weight=g.weight,
+                t=g.t,
+                share=g.share * g.hit,
+            )
+            for g in groups
+        ]
+        follow_forced(self.slopes, self.material, concatenate(walks), out, estimate, rng, order)
+
+    def _towards(self, paths: Descents, out: Exits) -> Array:
+        """Next events, (channels, n, exits)."""
+        phase, colour = next_event(self.slopes, self.material, paths, out)
+        leaves = paths.descent.leaving(out.Lambda)[0]
+        leaves *= paths.share[:, None]
+        return coloured(phase * leaves, colour, paths.weight)
+
+    def _leave_facet(self, paths: Descents, rng: np.random.Generator) -> list[Descents]:
+        """The paths that go on: those that head up, and those that head down."""
+        assert paths.m is not None
+        after, _ = scatter(self.slopes, self.material, paths, paths.m, rng)
+        if after.weight is not None:
+            after = after.compress(after.weight.max(axis=0) > 0)
+        after.t, chance = forced_free_path(after.t, after.d, after.sigma, rng)
+        after.hit = after.hit * chance
+        heads_up = after.d[2] > 0
+        up, down = after.compress(heads_up), after.compress(~heads_up)
+        ways_on = []
+        if up.n:
+            up = replace(up, **vars(up.descent.upward(slant(up.d, up.sigma))))
+            arrives = up.descent.leaving(np.zeros(1, up.d.dtype))[0][:, 0]
+            stays, boost = roulette(arrives * up.share, up.weight, rng)
+            up.share = up.share * boost
+            ways_on.append(up.compress(stays))
+        if down.n:
+            ways_on.append(replace(down, **vars(down.descent.downward(slant(down.d, down.sigma)))))
+        return [paths for paths in ways_on if paths.n]
+
+
+def mirrors(material: Material) -> bool:
+    """Whether light that heads up never heads down again: a mirror always raises d_z."""
+    return material.name == "conductor"
+
+
+def _open_tail(groups: list[Descents], out: Exits, estimate: Estimate) -> None:
+    first = 0
+    for paths in groups:
+        paths.slot = np.arange(first, first + paths.n)
+        first += paths.n
+    estimate.open_tail(first, out.n)

@@ -1,0 +1,120 @@
+"""The position-free models of Wang et al. 2022, with uncorrelated and with correlated heights."""
+
+from functools import partial
+
+import numpy as np
+
+from msbsdf_cli.methods.connections import connect_both_ends
+from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.estimate import Estimate, batches
+from msbsdf_cli.methods.paths import arriving, follow, meet, scatter
+from msbsdf_cli.methods.protocol import Evaluation
+from msbsdf_cli.methods.sampling import broadened_pdf
+from msbsdf_cli.methods.segments import Segments, go_on, leaving_chance, send
+from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.smith.descent import slant
+from msbsdf_cli.smith.slopes import Slopes
+from msbsdf_cli.smith.walk import BLOCK
+from surfaces.facet import Array
+from surfaces.materials import Material
+
+
+class PositionFree:
+    """Base of the two models, see `msbsdf_cli.methods.segments`; single scattering is in closed
+    form, and the orders after it come from one of two estimators:
+
+    unidirectional: directions sampled from wi by visible normals, next events towards all wo;
+    bidirectional: sub-paths from wi and from wo, all connections, balance heuristic.
+
+    Either is unbiased, with roulette for long paths.
+    """
+
+    name = "position-free"
+    correlated: bool
+
+    def __init__(
+        self, slopes: Slopes, material: Material, orders: int, bidirectional: bool = False
+    ) -> None:
+        require_known(material, self.name)
+        self.slopes, self.material, self.orders = slopes, material, orders
+        self.bidirectional = bidirectional
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        estimate = Estimate(self.material.channels, self.orders, out.n)
+        one_batch = self._connect if self.bidirectional else self._send
+        for n in batches(samples, out.n):
+            one_batch(wi, n, out, estimate, rng)
+            estimate.close_batch()
+        value, stderr = estimate.mean(samples)
+        value[:, 0] = first_order(self.slopes, self.material, wi, out, self.correlated)
+        stderr[:, 0] = 0
+        return Evaluation(value, stderr)
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """By visible normals, leaving with the model's chance: perfect but for absorption."""
+        w = np.empty((3, n), wi.dtype)
+        weight = np.ones((self.material.channels, n), wi.dtype)
+        for start in range(0, n, BLOCK):
+            paths = self._arrive(wi, min(BLOCK, n - start))
+            paths.slot += start
+            while paths.n:
+                paths = self._sample_facet(paths, w, weight, rng)
+        return w, weight
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        return broadened_pdf(self.slopes, self.material, wi, wo)
+
+    def _arrive(self, wi: Array, n: int) -> Segments:
+        columns = arriving(self.slopes, self.material, np.tile(-wi[:, None], n), np.zeros(n, bool))
+        L = slant(columns["d"], columns["sigma"])
+        return Segments(**columns, L=L, share=np.ones(n, wi.dtype))
+
+    def _send(
+        self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
+    ) -> None:
+        """Add what `n` paths from `wi` send to the exits from their second facet on."""
+        again = partial(go_on, self.slopes, self.material, correlated=self.correlated, rng=rng)
+        paths = self._arrive(wi, n)
+        paths.m = meet(self.slopes, self.material, paths, rng)
+        value = partial(send, self.slopes, self.material, out=out, correlated=self.correlated)
+        follow(
+            self.slopes, self.material, again(paths), out.n, estimate, rng, value, again, order=2
+        )
+
+    def _connect(
+        self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
+    ) -> None:
+        connect_both_ends(self.slopes, self.material, self.correlated, wi, n, out, estimate, rng)
+
+    def _sample_facet(
+        self, paths: Segments, w: Array, weight: Array, rng: np.random.Generator
+    ) -> Segments:
+        """Writes the directions and weights of the paths that leave; the others go on."""
+        m = meet(self.slopes, self.material, paths, rng)
+        after, transmitted = scatter(self.slopes, self.material, paths, m, rng)
+        after.L = slant(after.d, after.sigma)
+        through = False if transmitted is None else transmitted
+        chance = leaving_chance(paths.L, after.d, after.L, through, self.correlated)
+        leaves = rng.random(after.n, dtype=w.dtype) < chance
+        done = after.compress(leaves)
+        inside = np.zeros(done.n, bool) if done.inside is None else done.inside
+        w[:, done.slot] = np.where(inside, -done.d, done.d)
+        if done.weight is not None:
+            weight[:, done.slot] = done.weight
+        return after.compress(~leaves)
+
+
+class PositionFreeUncorrelated(PositionFree):
+    """Heights of arriving and leaving are independent: reciprocal [WJFYHY22 supp. 2.1]."""
+
+    name = "position-free-uncorrelated"
+    correlated = False
+
+
+class PositionFreeCorrelated(PositionFree):
+    """Heights of arriving and leaving are the same; its single scattering is the classic one, but
+    later orders are not reciprocal [WJFYHY22 supp. 2.2]."""
+
+    name = "position-free-correlated"
+    correlated = True

@@ -1,0 +1,32 @@
+"""The methods by name, each imported only when it is asked for."""
+
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+
+PLACES = {
+    "single": ("single", "Single"),
+    "walk": ("walk", "Walk"),
+    "walk-low-variance": ("walk_low_variance", "WalkLowVariance"),
+    "position-free-uncorrelated": ("position_free", "PositionFreeUncorrelated"),
+    "position-free-correlated": ("position_free", "PositionFreeCorrelated"),
+    "exact": ("exact", "Exact"),
+    "energy-compensated": ("energy_compensated", "EnergyCompensated"),
+}
+"""Module in this package and class of each method."""
+
+
+class _Lazy(Mapping[str, type]):
+    def __getitem__(self, name: str) -> type:
+        module, cls = PLACES[name]
+        loaded: type = getattr(import_module(f"msbsdf_cli.methods.{module}"), cls)
+        return loaded
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(PLACES)
+
+    def __len__(self) -> int:
+        return len(PLACES)
+
+
+METHODS: Mapping[str, type] = _Lazy()
+"""Class of each method: `METHODS[name](slopes, material, orders)` is a `protocol.Method`."""

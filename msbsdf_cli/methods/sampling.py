@@ -1,0 +1,47 @@
+"""Sampling by random walks, and densities that stand in for the unknown one of such samples."""
+
+import sys
+
+import numpy as np
+
+from msbsdf_cli.methods.single import phase_density
+from msbsdf_cli.smith.slopes import Slopes
+from msbsdf_cli.smith.walk import random_walk
+from surfaces.facet import Array
+from surfaces.materials import Diffuse, Material
+
+MULTIPLE_SHARE = 0.25
+"""Share of the density that is spread over all directions for the sake of later bounces. It
+biases nothing; it need only not be small where later bounces are bright."""
+
+
+def sample_walk(
+    slopes: Slopes, material: Material, wi: Array, n: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Directions (3, n) in which random walks leave and the energy (channels, n) they have left.
+
+    The walk is a perfect sampler of its own expectation ([HHdD16] Section 9). Lights come
+    sorted by order and are shuffled, so that any part of the samples is a fair one.
+    """
+    parts = list(random_walk(slopes, material, wi, n, rng, sys.maxsize))
+    w = np.concatenate([light.w for light in parts], axis=1)
+    full = np.ones((material.channels, 1), wi.dtype)
+    weights = [
+        np.broadcast_to(
+            full if light.weight is None else light.weight, (len(full), light.w.shape[1])
+        )
+        for light in parts
+    ]
+    shuffled = rng.permutation(w.shape[1])
+    return w[:, shuffled], np.concatenate(weights, axis=1)[:, shuffled]
+
+
+def broadened_pdf(slopes: Slopes, material: Material, wi: Array, wo: Array) -> Array:
+    """A density (n,) for multiple importance sampling: the first bounce's, and a cosine lobe on
+    each side that light can leave on, as [HHdD16] Section 9 proposes."""
+    cosine = np.abs(wo[2]) / np.pi
+    if isinstance(material, Diffuse):
+        return np.where(wo[2] > 0, cosine, 0)
+    lobe = cosine / 2 if material.transmits else np.where(wo[2] > 0, cosine, 0)
+    first = phase_density(slopes, material, wi, wo)
+    return (1 - MULTIPLE_SHARE) * first + MULTIPLE_SHARE * lobe

@@ -1,0 +1,89 @@
+"""The classic microfacet BSDF: one bounce, in closed form."""
+
+import numpy as np
+
+from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.protocol import Evaluation
+from msbsdf_cli.smith.albedo import first_order_albedo
+from msbsdf_cli.smith.kernel import diffuse_density, masking_shadowing, scatter_density
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.materials import Conductor, Diffuse, Material
+
+
+class Single:
+    """One bounce with height-correlated masking and shadowing, [HHdD16] Eqs. 11, 16 and 17.
+
+    No noise: diffuse facets are integrated over by quadrature. The energy that later bounces
+    would carry is unresolved.
+    """
+
+    name = "single"
+
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
+        require_known(material, self.name)
+        self.slopes, self.material, self.orders = slopes, material, orders
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        value = np.zeros((self.material.channels, self.orders + 1, wo.shape[1]), wi.dtype)
+        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        value[:, 0] = first_order(self.slopes, self.material, wi, out)
+        later = 1 - float(first_order_albedo(self.slopes, self.material, wi[:, None])[0])
+        return Evaluation(value, np.zeros_like(value), unresolved=max(later, 0.0))
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """One facet, by visible normals; the weight is shadowing given masking, 0 for light that
+        heads for the surface again."""
+        d = -wi[:, None]
+        m = self.slopes.visible_normals(-d, n, rng)
+        w, gain, transmitted = self.material.scatter(d, m, None, rng)
+        inside = np.zeros(n, bool) if transmitted is None else transmitted
+        local = np.where(inside, -w, w)
+        passes = np.zeros(n, wi.dtype)
+        for side in (False, True):
+            lanes = np.flatnonzero((inside == side) & (local[2] > 0))
+            if lanes.size:
+                passes[lanes] = masking_shadowing(self.slopes, -d, local[:, lanes], side)
+        weight = np.broadcast_to(passes * self.slopes.sigma(d), (self.material.channels, n))
+        return w, weight if gain is None else weight * gain
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        """Density (n,) of `sample`; what it sends back into the surface is missing from it."""
+        return phase_density(self.slopes, self.material, wi, wo)
+
+
+def first_order(
+    slopes: Slopes, material: Material, wi: Array, out: Exits, correlated: bool = True
+) -> Array:
+    """BSDF x cos(theta_o) of the first bounce, (channels, n), for `wi` (3,): q G2 / cos(theta_i).
+
+    With correlated heights it is that of [HHdD16] Eqs. 11 and 17, else that of the uncorrelated
+    model of [WJFYHY22 supp.].
+    """
+    value = np.zeros((material.channels, out.n), wi.dtype)
+    wi = wi[:, None]
+    for side in (False, True) if material.transmits else (False,):
+        lanes = np.flatnonzero((out.inside == side) & (out.w[2] > 0))
+        if lanes.size:
+            w = out.w[:, lanes]
+            q = scatter_density(slopes, material, -wi, w, transmitted=side)
+            value[:, lanes] = q * masking_shadowing(slopes, wi, w, side, correlated)
+    return value
+
+
+def phase_density(slopes: Slopes, material: Material, wi: Array, wo: Array) -> Array:
+    """Density (n,) per steradian of the direction in which the first facet sends light from `wi`
+    (3,), whatever it absorbs: q / sigma for a mirror or an albedo of 1."""
+    d = -wi[:, None]
+    density = np.zeros(wo.shape[1], wi.dtype)
+    if isinstance(material, Diffuse):
+        density = diffuse_density(slopes, d, wo)
+        return np.where(wo[2] > 0, density, 0) / slopes.sigma(d)
+    if isinstance(material, Conductor):
+        material = Conductor()
+    for side in (False, True) if material.transmits else (False,):
+        lanes = np.flatnonzero(wo[2] < 0 if side else wo[2] > 0)
+        if lanes.size:
+            w = -wo[:, lanes] if side else wo[:, lanes]
+            density[lanes] = scatter_density(slopes, material, d, w, transmitted=side)[0]
+    return density / slopes.sigma(d)

@@ -1,0 +1,106 @@
+"""The random walk of [HHdD16] with next-event estimation, as published."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.estimate import Estimate, batches
+from msbsdf_cli.methods.paths import (
+    Paths,
+    arriving,
+    coloured,
+    follow,
+    next_event,
+    scatter,
+)
+from msbsdf_cli.methods.protocol import Evaluation
+from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
+from msbsdf_cli.smith.slopes import Slopes
+from msbsdf_cli.smith.walk import exponential, flip, free_path
+from surfaces.facet import Array
+from surfaces.materials import Material
+
+
+@dataclass(kw_only=True)
+class Walks(Paths):
+    """Paths with their coordinate t = -ln C1(h), at the facet they met."""
+
+    t: Array
+
+
+class Walk:
+    """[HHdD16 impl.] Algorithm 2, in the coordinate t: at each facet, the energy towards wo is
+    the phase function times exp(-Lambda(wo) t), the chance of leaving that way unhindered.
+
+    One walk serves all outgoing directions. Walks end only by leaving, or with nothing left.
+    """
+
+    name = "walk"
+
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
+        require_known(material, self.name)
+        self.slopes, self.material, self.orders = slopes, material, orders
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        estimate = Estimate(self.material.channels, self.orders, out.n)
+        for n in batches(samples, out.n):
+            follow(
+                self.slopes,
+                self.material,
+                self._arrive(wi, n, rng),
+                out.n,
+                estimate,
+                rng,
+                partial(self._towards, out=out),
+                partial(self._leave_facet, rng=rng),
+            )
+            estimate.close_batch()
+        return Evaluation(*estimate.mean(samples))
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        return sample_walk(self.slopes, self.material, wi, n, rng)
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        return broadened_pdf(self.slopes, self.material, wi, wo)
+
+    def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Walks:
+        """At the first facet: a free path from t = 0."""
+        d = np.tile(-wi[:, None], n)
+        columns = arriving(self.slopes, self.material, d, np.zeros(n, bool))
+        E = exponential(n, rng, wi.dtype.type)
+        _, t = free_path(np.zeros(n, wi.dtype), d, columns["sigma"], E)
+        return Walks(**columns, t=t)
+
+    def _towards(self, walks: Walks, out: Exits) -> Array:
+        """Next events, (channels, n, exits)."""
+        phase, colour = next_event(self.slopes, self.material, walks, out)
+        return coloured(phase * escape(walks.t, walks.inside, out), colour, walks.weight)
+
+    def _leave_facet(self, walks: Walks, rng: np.random.Generator) -> Walks:
+        """The walks that meet another facet, and where."""
+        assert walks.m is not None
+        after, transmitted = scatter(self.slopes, self.material, walks, walks.m, rng)
+        if transmitted is not None:
+            after.t = np.where(transmitted, flip(after.t), after.t)
+        E = exponential(after.n, rng, after.d.dtype.type)
+        leaves, after.t = free_path(after.t, after.d, after.sigma, E)
+        stays = ~leaves
+        if after.weight is not None:
+            stays &= after.weight.any(axis=0)
+        return after.compress(stays)
+
+
+def escape(t: Array, inside: Array | None, out: Exits) -> Array:
+    """Chance exp(-Lambda t) of leaving towards each exit, (n, exits), from `t` (n,)."""
+    if inside is None:
+        return _escape(t, out.Lambda)
+    return np.where(
+        inside[:, None] == out.inside, _escape(t, out.Lambda), _escape(flip(t), out.Lambda)
+    )
+
+
+def _escape(t: Array, Lambda: Array) -> Array:
+    return np.exp(-np.outer(t, Lambda))

@@ -1,0 +1,156 @@
+"""The random walk with the variance reduction of [HHdD16] Section 9.1."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msbsdf_cli.methods.directions import Exits, exits, far_end, require_known
+from msbsdf_cli.methods.estimate import Estimate, batches
+from msbsdf_cli.methods.forced import Forced, follow_forced, leave_facet, next_facet
+from msbsdf_cli.methods.paths import (
+    arriving,
+    meet,
+    reversed_phase,
+)
+from msbsdf_cli.methods.protocol import Evaluation
+from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
+from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.smith.slopes import Slopes
+from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
+from surfaces.batch import concatenate
+from surfaces.facet import Array
+from surfaces.materials import Diffuse, Material
+
+ENOUGH_FOR_ERRORS = 64
+"""Walks from each wo, if so many can be had, whose scatter is to tell their standard error."""
+
+
+class WalkLowVariance:
+    """The first bounce in closed form, forced intersections, and walks from both ends.
+
+    A path of n facets is found from wi with contribution C_i and from wo with C_o, either being
+    the last facet's phase function times the chance to leave from it: all other factors are
+    sampled. The density of finding it is therefore its energy over C, and the balance heuristic
+    for n_i and n_o walks has a path count C_i C_o / (n_i C_o + n_o C_i), whichever way it is
+    found: the larger of the two cannot spoil it.
+
+    A walk from wi serves all wo, one from wo serves only that: there are as many from all wo
+    together as from wi, or enough to know their error. What diffuse facets send anywhere is
+    bounded, so that there the second end would cost more than it saves.
+    Light carries energy, so that a walk from wo counts eta_o^2 cos(theta_o) / cos(theta_i).
+    Paths end by roulette, not at a threshold: nothing is lost.
+    """
+
+    name = "walk-low-variance"
+
+    def __init__(
+        self, slopes: Slopes, material: Material, orders: int, both_ends: bool | None = None
+    ) -> None:
+        """`both_ends`: whether to walk from wo too; None: unless facets are diffuse."""
+        require_known(material, self.name)
+        self.slopes, self.material, self.orders = slopes, material, orders
+        self.both_ends = not isinstance(material, Diffuse) if both_ends is None else both_ends
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        fair = max(samples // (1 + out.n), ENOUGH_FOR_ERRORS)
+        n_o = max(1, min(fair, samples // 2)) if self.both_ends else 0
+        n_i = max(1, samples - n_o)
+        ends = _Ends(out, n_o / n_i, far_end(self.material, out) / wi[2])
+        value, stderr = self._from_wi(wi, ends, n_i, rng)
+        if self.both_ends:
+            from_wo, stderr_wo = self._from_wo(wi, ends, n_o, rng)
+            value, stderr = value + from_wo, np.hypot(stderr, stderr_wo)
+        value[:, 0] = first_order(self.slopes, self.material, wi, out)
+        stderr[:, 0] = 0
+        return Evaluation(value, stderr)
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        return sample_walk(self.slopes, self.material, wi, n, rng)
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        return broadened_pdf(self.slopes, self.material, wi, wo)
+
+    def _from_wi(
+        self, wi: Array, ends: "_Ends", samples: int, rng: np.random.Generator
+    ) -> tuple[Array, Array]:
+        """Walks from `wi` towards all exits, mean and standard error."""
+        estimate = Estimate(self.material.channels, self.orders, ends.out.n)
+        for n in batches(samples, ends.out.n):
+            walks = self._arrive(np.tile(-wi[:, None], n), np.zeros(n, bool), rng)
+            self._follow(walks, ends.out, ends, estimate, rng)
+            estimate.close_batch()
+        return estimate.mean(samples)
+
+    def _from_wo(
+        self, wi: Array, ends: "_Ends", samples: int, rng: np.random.Generator
+    ) -> tuple[Array, Array]:
+        """Walks from each exit towards `wi`, mean and standard error."""
+        out = ends.out
+        estimate = Estimate(self.material.channels, self.orders, out.n)
+        for n in batches(samples, out.n):
+            start = np.tile(np.arange(out.n), n)
+            walks = self._arrive(-out.w[:, start], out.inside[start], rng)
+            walks.start = start
+            self._follow(walks, exits(self.slopes, wi[:, None]), ends, estimate, rng)
+            estimate.close_batch()
+        return estimate.mean(samples)
+
+    def _arrive(self, d: Array, inside: Array, rng: np.random.Generator) -> Forced:
+        """At the first facet: a free path from t = 0."""
+        n = d.shape[1]
+        columns = arriving(self.slopes, self.material, d, inside)
+        E = exponential(n, rng, d.dtype.type)
+        _, t = free_path(np.zeros(n, d.dtype), d, columns["sigma"], E)
+        return Forced(**columns, t=t, share=np.ones(n, d.dtype))
+
+    def _follow(
+        self,
+        walks: Forced,
+        out: Exits,
+        ends: "_Ends",
+        estimate: Estimate,
+        rng: np.random.Generator,
+    ) -> None:
+        """Add what the walks send to the exits from their second facet on."""
+        parts = []
+        for block in walks.blocks(BLOCK):
+            block.m = meet(self.slopes, self.material, block, rng)
+            after = leave_facet(self.slopes, self.material, block, rng)
+            if self.both_ends:
+                after.other = self._seen_from_beyond(block, after)
+            parts.append(next_facet(after, rng))
+        follow_forced(
+            self.slopes, self.material, concatenate(parts), out, estimate, rng, 2, ends.balance
+        )
+
+    def _seen_from_beyond(self, walks: Forced, after: Forced) -> Array:
+        """What the same path, walked from its other end, would send to this walk's start."""
+        Lambda = self.slopes.sigma(-walks.d) / np.maximum(-walks.d[2], np.finfo(walks.d.dtype).tiny)
+        back = reversed_phase(self.slopes, self.material, walks, after)
+        return back * np.exp(-Lambda * walks.t)
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """The exits, and how the walks from there compare with those from wi."""
+
+    out: Exits
+    per_walk: float
+    """Walks from each exit for one from wi."""
+    scale: Array
+    """What a walk from the exit counts, (exits,)."""
+
+    def balance(self, here: Array, walks: Forced) -> Array:
+        """Contributions (n, exits) of walks from wi, or from exits of number `start`, weighed
+        against those of the same paths found from the other end."""
+        if walks.other is None:
+            return here
+        tiny = np.finfo(here.dtype).tiny
+        there = walks.other[:, None]
+        if walks.start is None:
+            there = there * self.scale
+            return here * (there / np.maximum(there + self.per_walk * here, tiny))
+        here = here * self.scale[walks.start][:, None]
+        there = self.per_walk * there
+        return here * (there / np.maximum(here + there, tiny))

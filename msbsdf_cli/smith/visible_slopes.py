@@ -1,0 +1,108 @@
+"""Quadrature over visible slopes: the integrals that have no closed form, without noise.
+
+The slopes of a distribution, each divided by its roughness, are written in polar coordinates
+(tan psi, phi). Those visible from a direction are a half plane, those visible from two an
+intersection of half planes. Between the azimuths where its border changes, the integrand is
+smooth in phi, and along each azimuth it is smooth in psi up to the border: Gauss-Legendre nodes
+serve both.
+"""
+
+import numpy as np
+
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array, dot
+
+RADIAL_NODES = 20
+AZIMUTH_NODES = 20
+"""With these, diffuse scattering is right to 3e-6 of its largest value, roughness 0.05 to 20."""
+
+
+def visible_slopes(
+    slopes: Slopes,
+    d: Array,
+    w: Array | None = None,
+    radial_nodes: int = RADIAL_NODES,
+    azimuth_nodes: int = AZIMUTH_NODES,
+    split: bool = False,
+) -> tuple[Array, Array]:
+    """Unit normals m (3, nodes, n) and weights (nodes, n) for directions of travel `d` (3, n):
+
+        sum of weights f(m) = integral of <-d, m> D(m) f(m) dm
+
+    over the normals that also face `w` (3, n), where it is given. The weights alone sum to
+    sigma(d), for `w` None. `split` has twice the radial nodes and puts a border between
+    them where mirrors would send `d` to the horizon, for the sake of kinks there.
+    """
+    lines = [(-d[2], slopes.alpha_x * d[0], slopes.alpha_y * d[1])]
+    if w is not None:
+        lines.append((w[2], -slopes.alpha_x * w[0], -slopes.alpha_y * w[1]))
+    phi, weight = _between(_turns(lines), azimuth_nodes)
+    cos_phi, sin_phi = np.cos(phi), np.sin(phi)
+
+    low, high = np.zeros_like(phi), np.full_like(phi, np.pi / 2)
+    for a, b_x, b_y in lines:
+        # Seen where a cos(psi) + b sin(psi) > 0; arctan2 puts a border that is never met beyond.
+        b = b_x * cos_phi + b_y * sin_phi
+        border = np.arctan2(np.abs(a), np.where(a >= 0, -b, b))
+        high = np.where(a >= 0, np.minimum(high, border), high)
+        low = np.where(a >= 0, low, np.maximum(low, border))
+    high = np.maximum(low, high)
+    x, x_weight = _unit_interval(radial_nodes)
+    x, x_weight = x[:, None, None], x_weight[:, None, None]
+    if split:
+        middle = np.clip(_mirrored_to_horizon(slopes, d, cos_phi, sin_phi), low, high)
+        psi = np.concatenate([low + (middle - low) * x, middle + (high - middle) * x])
+        weight = weight * np.concatenate([(middle - low) * x_weight, (high - middle) * x_weight])
+    else:
+        psi = low + (high - low) * x
+        weight = weight * (high - low) * x_weight
+
+    cos_psi, sin_psi = np.cos(psi), np.sin(psi)
+    m = np.stack(
+        [-slopes.alpha_x * sin_psi * cos_phi, -slopes.alpha_y * sin_psi * sin_phi, cos_psi]
+    )
+    m /= np.sqrt(dot(m, m))
+    # dm = cos^3(theta_m) dx dy, and dx dy = alpha_x alpha_y tan(psi) / cos^2(psi) dpsi dphi.
+    weight *= slopes.alpha_x * slopes.alpha_y * sin_psi * (m[2] / cos_psi) ** 3
+    weight *= slopes.D(m) * np.maximum(-dot(d[:, None, None, :], m), 0)
+    n = d.shape[1]
+    return m.reshape(3, -1, n), weight.reshape(-1, n)
+
+
+def _mirrored_to_horizon(slopes: Slopes, d: Array, cos_phi: Array, sin_phi: Array) -> Array:
+    """Radial angle psi of the facets that mirror `d` to the horizon, for each azimuth.
+
+    With -d . (-x, -y, 1) = a + b r and x^2 + y^2 = A^2 r^2: a A^2 r^2 - 2 b r - a = 0.
+    """
+    A_x, A_y = slopes.alpha_x * cos_phi, slopes.alpha_y * sin_phi
+    a, b = -d[2], d[0] * A_x + d[1] * A_y
+    A2 = A_x * A_x + A_y * A_y
+    root = np.sqrt(b * b + a * a * A2)
+    # Of the two forms of the root, the one that adds terms of one sign.
+    return np.where(b > 0, np.arctan2(b + root, a * A2), np.arctan2(a, root - b))
+
+
+def _turns(lines: list[tuple[Array, Array, Array]]) -> Array:
+    """Azimuths (k, n), sorted, where the nearest border changes or goes to infinity."""
+    turns = [np.arctan2(b_x, -b_y) for _, b_x, b_y in lines]
+    if len(lines) == 2:
+        (a, a_x, a_y), (b, b_x, b_y) = lines
+        turns.append(np.arctan2(a * b_x - b * a_x, b * a_y - a * b_y))
+    half = np.sort(np.mod(np.stack(turns), np.pi), axis=0)
+    return np.concatenate([half, half + np.pi])
+
+
+def _between(turns: Array, nodes: int) -> tuple[Array, Array]:
+    """Nodes and weights (k nodes, n) on the k intervals of the circle between `turns` (k, n),
+    denser towards the ends, where a grazing direction has its border swing round."""
+    x, weight = _unit_interval(nodes)
+    x, weight = x * x * (3 - 2 * x), weight * 6 * x * (1 - x)
+    width = np.diff(turns, axis=0, append=turns[:1] + 2 * np.pi)
+    phi = turns + width * x[:, None, None]
+    n = turns.shape[1]
+    return phi.reshape(-1, n), (width * weight[:, None, None]).reshape(-1, n)
+
+
+def _unit_interval(nodes: int) -> tuple[Array, Array]:
+    x, weight = np.polynomial.legendre.leggauss(nodes)
+    return (1 + x) / 2, weight / 2

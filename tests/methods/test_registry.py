@@ -1,0 +1,79 @@
+"""What holds for every method: names, shapes, samples that follow the values."""
+
+import numpy as np
+import pytest
+from spheres import direction, hemisphere, sphere
+
+from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
+from surfaces.materials import Conductor, Dielectric, Diffuse
+
+RNG = np.random.default_rng
+MATERIALS = [Conductor(((0.2, 3.9), (1.5, 2.0))), Diffuse((0.9, 0.3, 0.5)), Dielectric(1.5)]
+REFUSED = {("exact", "dielectric"), ("energy-compensated", "diffuse")}
+
+
+@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("material", MATERIALS, ids=lambda m: m.name)
+def test_samples_follow_the_values(name, material):
+    if (name, material.name) in REFUSED:
+        with pytest.raises(NotForThis, match=f"method {name}"):
+            METHODS[name](Ggx(0.8, 0.8), material, 2)
+        return
+    method, wi = METHODS[name](Beckmann(1, 0.8), material, 2), direction(0.8, 0.3)
+    assert method.name == name
+    probe, solid_angle = sphere(32 if material.transmits else 10)
+    runs = [method.evaluate(wi, probe, 150, RNG(seed)) for seed in range(16)]
+    shape = (material.channels, 3, probe.shape[1])
+    assert runs[0].value.shape == runs[0].stderr.shape == shape
+    assert all(np.isfinite(run.stderr).all() for run in runs)
+    if not material.transmits:
+        assert all((run.value[..., probe[2] < 0] == 0).all() for run in runs)
+    w, weight = method.sample(wi, 40000, RNG(2))
+    assert weight.shape == (material.channels, 40000)
+    for g in (lambda w: np.ones(w.shape[1]), lambda w: w[2], lambda w: w[0]):
+        sampled = weight * g(w)
+        summed = np.array([(r.value.sum(axis=1) * g(probe) * solid_angle).sum(-1) for r in runs])
+        stderr = np.hypot(sampled.std(axis=1) / 200, summed.std(axis=0, ddof=1) / 4)
+        # 1 % is the rule over directions.
+        assert (np.abs(sampled.mean(axis=1) - summed.mean(axis=0)) < 4 * stderr + 0.01).all()
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_densities_are_densities(name):
+    w, solid_angle = hemisphere(48)
+    for slopes in (Beckmann(0.6, 0.6), Ggx(1, 0.5)):
+        method = METHODS[name](slopes, Conductor(), 2)
+        total = (method.pdf(direction(0.9, 0.2), w) * solid_angle).sum()
+        # What the first facet sends below the horizon is missing.
+        assert 0.5 < total < 1 + 1e-3
+
+
+def test_energy_compensation_returns_all_energy_and_is_reciprocal():
+    w, solid_angle = hemisphere(48)
+    for material in (Conductor(), Dielectric(1.5)):
+        method = METHODS["energy-compensated"](Beckmann(1, 1), material, 3)
+        wi, wo = direction(0.7), direction(1.2, 1.0)
+        total = sum(
+            (method.evaluate(wi, side * w, 0, RNG(0)).value[0].sum(axis=0) * solid_angle).sum()
+            for side in (1, -1)
+        )
+        # The table's splines are right to 1e-3 here.
+        assert abs(total - 1) < 1e-3
+        there = method.evaluate(wi, wo[:, None], 0, RNG(0)).value[0, :, 0] / wo[2]
+        back = method.evaluate(wo, wi[:, None], 0, RNG(0)).value[0, :, 0] / wi[2]
+        np.testing.assert_allclose(there, back, rtol=1e-9)
+        assert there[-1] > 0
+        assert (there[1:-1] == 0).all()
+
+
+def test_turquin_returns_all_energy_of_a_mirror_but_is_not_reciprocal():
+    w, solid_angle = hemisphere(48)
+    method = METHODS["energy-compensated"](Ggx(1, 1), Conductor(), 1, variant="turquin")
+    total = (method.evaluate(direction(0.7), w, 0, RNG(0)).value[0].sum(axis=0) * solid_angle).sum()
+    assert abs(total - 1) < 1e-3
+    a, b = direction(0.2), direction(1.3)
+    there = method.evaluate(a, b[:, None], 0, RNG(0)).value[0, 1, 0] / b[2]
+    back = method.evaluate(b, a[:, None], 0, RNG(0)).value[0, 1, 0] / a[2]
+    assert there / back > 1.5
