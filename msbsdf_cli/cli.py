@@ -12,6 +12,7 @@ COMMANDS = {
     "simulate": "Trace light on explicit random Beckmann surfaces.",
     "walk": "Run the Smith random walk: no surface, only its statistics.",
     "compare": "Hold the model against the surfaces: free paths and lobes.",
+    "evaluate": "Evaluate the BSDF along a slice of directions, by any method.",
 }
 
 

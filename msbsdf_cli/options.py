@@ -96,19 +96,25 @@ class Real(click.ParamType):
 
 
 class Numbers(click.ParamType):
-    """Numbers separated by commas, as many as `count` where it is given; `inf` is one."""
+    """Numbers from `low` to `high` separated by commas, as many as `count` where it is given."""
 
     name = "X,X..."
 
-    def __init__(self, count: int | None = None) -> None:
-        self.count = count
+    def __init__(
+        self, count: int | None = None, low: float = -math.inf, high: float = math.inf
+    ) -> None:
+        self.count, self.low, self.high = count, low, high
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[float, ...]:
         if isinstance(value, tuple):
             return value
-        return _numbers(self, value, param, ctx, self.count)
+        numbers = _numbers(self, value, param, ctx, self.count)
+        for x in numbers:
+            if not self.low <= x <= self.high:
+                self.fail(f"{x:g} is not from {self.low:g} to {self.high:g}.", param, ctx)
+        return numbers
 
 
 def _numbers(
@@ -126,6 +132,35 @@ def _numbers(
         wanted = "a number" if count in (None, 1) else f"{count} numbers"
         kind.fail(f"{value!r} is not {wanted}.", param, ctx)
     return numbers
+
+
+METHODS = (
+    "single",
+    "walk",
+    "walk-low-variance",
+    "position-free-uncorrelated",
+    "position-free-correlated",
+    "exact",
+    "solve",
+    "energy-compensated",
+)
+
+
+class Methods(click.ParamType):
+    """Names of methods separated by commas."""
+
+    name = "NAME[,NAME...]"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
+        if isinstance(value, tuple):
+            return value
+        names = tuple(dict.fromkeys(part.strip() for part in value.split(",")))
+        for name in names:
+            if name not in METHODS:
+                self.fail(f"{name!r} is not a method: one of {', '.join(METHODS)}.", param, ctx)
+        return names
 
 
 METALS = ("gold", "silver", "copper", "aluminium", "chromium")
@@ -178,6 +213,25 @@ _OPTIONS: dict[str, Any] = {
         default="1",
         metavar="A",
         help="Diffuse facets.",
+    ),
+    "eta-k-channels": dict(
+        type=Numbers(), metavar="N,K[,N,K...]", help="Conductor: complex index of each channel."
+    ),
+    "albedo-channels": dict(
+        type=Numbers(low=0, high=1),
+        default="1",
+        metavar="A[,A...]",
+        help="Diffuse facets, in each channel.",
+    ),
+    "rgb": dict(is_flag=True, help="With --metal: red, green and blue in one run."),
+    "method": dict(type=Methods(), metavar="NAME[,NAME...]", help=f"Of {', '.join(METHODS)}."),
+    "phi-o": dict(
+        type=Angles(-math.inf, math.inf, "in radians", count=1),
+        metavar="P",
+        help="Azimuth of the slice; default: the plane of incidence.",
+    ),
+    "points": dict(
+        type=Count(2), default="91", metavar="N", help="Outgoing directions of the slice."
     ),
     "orders": dict(
         type=click.IntRange(1, 10),
@@ -242,6 +296,14 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
+VARIANTS = {
+    "surface-slopes": "slopes",
+    "eta-k-channels": "eta-k",
+    "albedo-channels": "albedo",
+}
+"""Options that some commands have in another form, by the name that the user types."""
+
+
 def use(*names: str) -> Decorator:
     """Add the named options to a command, in this order."""
 
@@ -249,7 +311,7 @@ def use(*names: str) -> Decorator:
         for name in reversed(names):
             settings = dict(_OPTIONS[name])
             settings.setdefault("show_default", settings.get("default") is not None)
-            flag = {"surface-slopes": "slopes"}.get(name, name)
+            flag = VARIANTS.get(name, name)
             parameter = "as_json" if name == "json" else flag.replace("-", "_")
             function = click.option(f"--{flag}", parameter, **settings)(function)
         return function
@@ -270,6 +332,12 @@ MODEL = (
     "albedo",
 )
 MODEL_OF_SURFACES = ("material", "surface-slopes", *MODEL[3:])
+MODEL_IN_COLOUR = (
+    *(name for name in MODEL[:-2] if name != "heights"),
+    "eta-k-channels",
+    "albedo-channels",
+    "rgb",
+)
 RESOLUTION = ("accuracy", "cells", "extent", "realisations", "waves")
 FREE_PATH = ("free-path-theta", "free-path-height")
 REPORT = ("out", "force", "quiet", "json")

@@ -22,16 +22,18 @@ class Scene:
     """Incident azimuth in radians."""
     slopes: str = "beckmann"
     ior: float = 1.5
-    eta_k: tuple[float, float] | None = None
-    albedo: float = 1.0
+    eta_k: tuple[tuple[float, float], ...] = ()
+    """Complex index of a conductor in each channel; none for a perfect mirror."""
+    albedo: tuple[float, ...] = (1.0,)
+    """Of diffuse facets, in each channel."""
     orders: int = 4
 
     def facets(self) -> Material:
         """The facets' material."""
         if self.material == "conductor":
-            return Conductor(() if self.eta_k is None else (self.eta_k,))
+            return Conductor(self.eta_k)
         if self.material == "diffuse":
-            return Diffuse((self.albedo,))
+            return Diffuse(self.albedo)
         return Dielectric(self.ior)
 
     def distribution(self) -> Slopes:
@@ -55,6 +57,11 @@ def direction(theta: float, phi: float) -> Array:
     )
 
 
-def metal_index(metal: str | None, eta_k: tuple[float, float] | None) -> tuple[float, float] | None:
-    """The complex index at 549 nm of a metal by name, or the one given."""
-    return METALS[metal][GREEN] if metal is not None else eta_k
+def metal_indices(
+    metal: str | None, numbers: tuple[float, ...] | None, colours: bool
+) -> tuple[tuple[float, float], ...]:
+    """Complex indices of a metal by name, in three colours or at 549 nm, or of N,K,N,K,..."""
+    if metal is not None:
+        return METALS[metal] if colours else METALS[metal][GREEN : GREEN + 1]
+    pairs = numbers or ()
+    return tuple(zip(pairs[::2], pairs[1::2], strict=True))

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from msbsdf_cli.scene import Scene, metal_index
+from msbsdf_cli.scene import Scene, metal_indices
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.studies.outcome import FreePaths
 
@@ -18,15 +18,19 @@ LONG_S = 600
 
 
 def scene_from(options: dict[str, Any]) -> Scene:
-    """The scene that options describe. Raises click.UsageError for a metal given twice."""
+    """The scene that options describe. Raises click.UsageError for a metal given twice, and
+    click.BadParameter for indices that are none."""
     if options["metal"] is not None and options["eta_k"] is not None:
         raise click.UsageError("--metal and --eta-k both give the metal's index; give one of them.")
-    index = metal_index(options["metal"], options["eta_k"])
-    if index is not None and not index[0] > 0 <= index[1]:
+    given = options["eta_k"] or ()
+    if len(given) % 2 or any(n <= 0 for n in given[::2]) or any(k < 0 for k in given[1::2]):
         raise click.BadParameter(
-            f"{index[0]:g},{index[1]:g} is not a metal's index: N above 0, K 0 or more.",
+            f"{','.join(f'{x:g}' for x in given)} is not a metal's index: N above 0, K 0 or more.",
             param_hint="--eta-k",
         )
+    conductor = options["material"] == "conductor"
+    indices = metal_indices(options["metal"], given, options.get("rgb", False))
+    albedo = options["albedo"]
     return Scene(
         material=options["material"],
         alpha=options["alpha"],
@@ -34,8 +38,8 @@ def scene_from(options: dict[str, Any]) -> Scene:
         phi=options["phi"][0],
         slopes=options["slopes"],
         ior=options["ior"],
-        eta_k=index if options["material"] == "conductor" else None,
-        albedo=options["albedo"],
+        eta_k=indices if conductor else (),
+        albedo=albedo if isinstance(albedo, tuple) else (albedo,),
         orders=options["orders"],
     )
 
@@ -79,6 +83,25 @@ def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
     if expected > LONG_S:
         warnings.append(f"this will take about {duration(expected)}; fewer --samples take less.")
     return warnings
+
+
+def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]:
+    """The methods that the user wants, or all that hold for the scene.
+
+    Raises click.BadParameter for a method that does not.
+    """
+    from msbsdf_cli.methods.protocol import NotForThis
+    from msbsdf_cli.methods.registry import METHODS
+
+    holding = []
+    for name in wanted or METHODS:
+        try:
+            METHODS[name].refuse(scene.distribution(), scene.facets())
+            holding.append(name)
+        except NotForThis as refusal:
+            if wanted:
+                raise click.BadParameter(f"{refusal}.", param_hint="--method") from None
+    return tuple(holding)
 
 
 def announce(warnings: list[str]) -> None:

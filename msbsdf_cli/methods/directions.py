@@ -38,14 +38,23 @@ def exits(slopes: Slopes, wo: Array) -> Exits:
     return Exits(w, inside, slopes.sigma(w) / cos_o)
 
 
-def require_known(material: Material, name: str) -> None:
-    """Raise `NotForThis` for a material whose facets have no scattering density here."""
-    if not isinstance(material, Conductor | Diffuse | Dielectric):
-        raise NotForThis(f"method {name} does not know the material {material.name}")
-    if isinstance(material, Dielectric) and material.ior == 1:
-        raise NotForThis(
-            f"method {name} needs an index other than 1: light that goes straight on has no density"
-        )
+class Holds:
+    """Base of the methods: says what a method holds for, before any work is done."""
+
+    name: str
+    deterministic = False
+    """Whether values have no noise, so that samples make no difference."""
+
+    @classmethod
+    def refuse(cls, slopes: Slopes, material: Material) -> None:
+        """Raise `NotForThis` for what the method cannot do."""
+        if not isinstance(material, Conductor | Diffuse | Dielectric):
+            raise NotForThis(f"method {cls.name} does not know the material {material.name}")
+        if isinstance(material, Dielectric) and material.ior == 1:
+            raise NotForThis(
+                f"method {cls.name} needs an index other than 1: light that goes straight on has "
+                "no density"
+            )
 
 
 def squared_index(material: Material, inside: Array | bool) -> Array | float:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.protocol import Evaluation, NotForThis
 from msbsdf_cli.methods.single import first_order, phase_density
 from msbsdf_cli.smith.albedo import first_order_albedo
@@ -58,7 +58,7 @@ class Albedo:
         return first_order_albedo(slopes, material, w, inside)
 
 
-class EnergyCompensated:
+class EnergyCompensated(Holds):
     """Single scattering as it is, in order 1, and one lobe for all later orders, in the last row.
 
     `variant` "kulla-conty" (Kulla & Conty 2017, Revisiting Physically Based Shading at Imageworks):
@@ -73,16 +73,12 @@ class EnergyCompensated:
     """
 
     name = "energy-compensated"
+    deterministic = True
 
     def __init__(
         self, slopes: Slopes, material: Material, orders: int, variant: str = "kulla-conty"
     ) -> None:
-        require_known(material, self.name)
-        if not isinstance(material, Conductor | Dielectric):
-            raise NotForThis(
-                "method energy-compensated is for conductors and dielectrics: diffuse facets lose "
-                "no energy to a closed form that anybody would compensate"
-            )
+        self.refuse(slopes, material)
         if variant == "turquin" and isinstance(material, Dielectric):
             raise NotForThis("the variant turquin of energy-compensated is for conductors only")
         self.slopes, self.material, self.orders = slopes, material, orders
@@ -90,6 +86,15 @@ class EnergyCompensated:
         self.E = Albedo(slopes, material, inside=False)
         self.E_inside = Albedo(slopes, material, inside=True) if material.transmits else self.E
         self.through = self._share_through()
+
+    @classmethod
+    def refuse(cls, slopes: Slopes, material: Material) -> None:
+        super().refuse(slopes, material)
+        if not isinstance(material, Conductor | Dielectric):
+            raise NotForThis(
+                "method energy-compensated is for conductors and dielectrics: diffuse facets lose "
+                "no energy to a closed form that anybody would compensate"
+            )
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = exits(self.slopes, wo.astype(wi.dtype, copy=False))

@@ -6,7 +6,7 @@ from itertools import count
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.forced import Forced, follow_forced, forced_free_path, roulette
 from msbsdf_cli.methods.paths import (
@@ -53,7 +53,7 @@ class Descents(Paths):
         return Descent(self.L, self.follow, self.up, self.turn)
 
 
-class Exact:
+class Exact(Holds):
     """The model of Bitterli & d'Eon 2022 and Cui et al. 2023, which is that of [HHdD16] with the
     integral over heights done (`msbsdf_cli.smith.descent`).
 
@@ -69,13 +69,17 @@ class Exact:
     name = "exact"
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        require_known(material, self.name)
+        self.refuse(slopes, material)
+        self.slopes, self.material, self.orders = slopes, material, orders
+
+    @classmethod
+    def refuse(cls, slopes: Slopes, material: Material) -> None:
+        super().refuse(slopes, material)
         if material.transmits:
             raise NotForThis(
                 "method exact is for conductors and diffuse facets: light that changes sides turns "
                 "the surface upside down, and its heights cannot be integrated out beyond that"
             )
-        self.slopes, self.material, self.orders = slopes, material, orders
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = exits(self.slopes, wo.astype(wi.dtype, copy=False))

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from msbsdf_cli.methods.connections import connect_both_ends
-from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.paths import arriving, follow, meet, scatter
 from msbsdf_cli.methods.protocol import Evaluation
@@ -19,7 +19,7 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-class PositionFree:
+class PositionFree(Holds):
     """Base of the two models, see `msbsdf_cli.methods.segments`; single scattering is in closed
     form, and the orders after it come from one of two estimators:
 
@@ -35,7 +35,7 @@ class PositionFree:
     def __init__(
         self, slopes: Slopes, material: Material, orders: int, bidirectional: bool = False
     ) -> None:
-        require_known(material, self.name)
+        self.refuse(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
         self.bidirectional = bidirectional
 

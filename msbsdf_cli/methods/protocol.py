@@ -36,6 +36,12 @@ class Method(Protocol):
     """
 
     name: str
+    deterministic: bool
+    """Whether values have no noise, so that samples make no difference."""
+
+    @classmethod
+    def refuse(cls, slopes: Slopes, material: Material) -> None:
+        """Raise `NotForThis` for what the method cannot do, before any work is done."""
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None: ...
 

@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 
+from msbsdf_cli.methods.protocol import Method
+
 PLACES = {
     "single": ("single", "Single"),
     "walk": ("walk", "Walk"),
@@ -10,15 +12,16 @@ PLACES = {
     "position-free-uncorrelated": ("position_free", "PositionFreeUncorrelated"),
     "position-free-correlated": ("position_free", "PositionFreeCorrelated"),
     "exact": ("exact", "Exact"),
+    "solve": ("solve", "Solve"),
     "energy-compensated": ("energy_compensated", "EnergyCompensated"),
 }
 """Module in this package and class of each method."""
 
 
-class _Lazy(Mapping[str, type]):
-    def __getitem__(self, name: str) -> type:
+class _Lazy(Mapping[str, type[Method]]):
+    def __getitem__(self, name: str) -> type[Method]:
         module, cls = PLACES[name]
-        loaded: type = getattr(import_module(f"msbsdf_cli.methods.{module}"), cls)
+        loaded: type[Method] = getattr(import_module(f"msbsdf_cli.methods.{module}"), cls)
         return loaded
 
     def __iter__(self) -> Iterator[str]:
@@ -28,5 +31,5 @@ class _Lazy(Mapping[str, type]):
         return len(PLACES)
 
 
-METHODS: Mapping[str, type] = _Lazy()
+METHODS: Mapping[str, type[Method]] = _Lazy()
 """Class of each method: `METHODS[name](slopes, material, orders)` is a `protocol.Method`."""

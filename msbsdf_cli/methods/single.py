@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.kernel import diffuse_density, masking_shadowing, scatter_density
@@ -11,7 +11,7 @@ from surfaces.facet import Array
 from surfaces.materials import Conductor, Diffuse, Material
 
 
-class Single:
+class Single(Holds):
     """One bounce with height-correlated masking and shadowing, [HHdD16] Eqs. 11, 16 and 17.
 
     No noise: diffuse facets are integrated over by quadrature. The energy that later bounces
@@ -19,9 +19,10 @@ class Single:
     """
 
     name = "single"
+    deterministic = True
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        require_known(material, self.name)
+        self.refuse(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:

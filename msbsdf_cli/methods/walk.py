@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, exits, require_known
+from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.paths import (
     Paths,
@@ -30,7 +30,7 @@ class Walks(Paths):
     t: Array
 
 
-class Walk:
+class Walk(Holds):
     """[HHdD16 impl.] Algorithm 2, in the coordinate t: at each facet, the energy towards wo is
     the phase function times exp(-Lambda(wo) t), the chance of leaving that way unhindered.
 
@@ -40,7 +40,7 @@ class Walk:
     name = "walk"
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        require_known(material, self.name)
+        self.refuse(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, exits, far_end, require_known
+from msbsdf_cli.methods.directions import Exits, Holds, exits, far_end
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.forced import Forced, follow_forced, leave_facet, next_facet
 from msbsdf_cli.methods.paths import (
@@ -25,7 +25,7 @@ ENOUGH_FOR_ERRORS = 64
 """Walks from each wo, if so many can be had, whose scatter is to tell their standard error."""
 
 
-class WalkLowVariance:
+class WalkLowVariance(Holds):
     """The first bounce in closed form, forced intersections, and walks from both ends.
 
     A path of n facets is found from wi with contribution C_i and from wo with C_o, either being
@@ -47,7 +47,7 @@ class WalkLowVariance:
         self, slopes: Slopes, material: Material, orders: int, both_ends: bool | None = None
     ) -> None:
         """`both_ends`: whether to walk from wo too; None: unless facets are diffuse."""
-        require_known(material, self.name)
+        self.refuse(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
         self.both_ends = not isinstance(material, Diffuse) if both_ends is None else both_ends
 

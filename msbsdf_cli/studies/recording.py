@@ -14,6 +14,7 @@ from msbsdf_cli import __version__
 from msbsdf_cli.report.directory import RUN, write_csv, write_json
 from msbsdf_cli.report.terminal import measured, show_table
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.studies.evaluating import Values
 from msbsdf_cli.studies.outcome import Outcome
 from msbsdf_cli.studies.tables import all_tables, order_names
 from msbsdf_cli.tally import SIDES
@@ -33,7 +34,36 @@ def run_record(
     outcome: Outcome,
     warnings: list[str],
 ) -> dict[str, Any]:
-    """The content of run.json that both producers share."""
+    """The content of run.json of both producers."""
+    rates = outcome.wall_s, outcome.paths / outcome.wall_s, outcome.bounces_mean
+    return _record(command, options, started, *rates, warnings)
+
+
+def evaluation_record(
+    command: str,
+    options: dict[str, Any],
+    started: str,
+    values: list[Values],
+    warnings: list[str],
+) -> dict[str, Any]:
+    """The content of run.json of a run of methods; their walks are not counted in facets."""
+    wall_s = sum(v.seconds for v in values)
+    walks = options["samples"] * len(values)
+    record = _record(command, options, started, wall_s, walks / wall_s, None, warnings)
+    record["unresolved"] = {f"{v.method} {v.theta:.6g}": v.unresolved for v in values}
+    record["seconds"] = {f"{v.method} {v.theta:.6g}": v.seconds for v in values}
+    return record
+
+
+def _record(
+    command: str,
+    options: dict[str, Any],
+    started: str,
+    wall_s: float,
+    rate_per_s: float,
+    bounces_mean: float | None,
+    warnings: list[str],
+) -> dict[str, Any]:
     versions = {"msbsdf": __version__, "python": platform.python_version()}
     return {
         "command": command,
@@ -41,9 +71,9 @@ def run_record(
         "seed": options["seed"],
         "versions": versions | {name: version(name) for name in PACKAGES},
         "started": started,
-        "wall_s": outcome.wall_s,
-        "rate_per_s": outcome.paths / outcome.wall_s,
-        "bounces_mean": outcome.bounces_mean,
+        "wall_s": wall_s,
+        "rate_per_s": rate_per_s,
+        "bounces_mean": bounces_mean,
         "warnings": warnings,
     }
 

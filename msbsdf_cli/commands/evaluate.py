@@ -1,0 +1,71 @@
+"""`msbsdf evaluate`"""
+
+from typing import Any
+
+import click
+
+from msbsdf_cli.options import MODEL_IN_COLOUR, REPORT, samples, use
+
+
+@click.command("evaluate")
+@use("method", *MODEL_IN_COLOUR, "phi-o", "points", "orders")
+@samples("1e5")
+@use("seed", "threads", "precision", *REPORT)
+def command(**options: Any) -> None:
+    """Evaluate the BSDF along a slice of directions, by any method.
+
+    Writes BSDF x cos(theta_o) of each method, order by order and in total, with standard errors,
+    and a picture. Without --method: all methods that hold for the material.
+    """
+    from msbsdf_cli.commands import common
+    from msbsdf_cli.report.directory import RUN, new_report, refuse_existing, write_csv, write_json
+    from msbsdf_cli.report.slices import draw_slices
+    from msbsdf_cli.studies.evaluating import evaluate
+    from msbsdf_cli.studies.recording import evaluation_record, now, show_json
+    from msbsdf_cli.studies.slicing import slice_directions, slice_table
+
+    scene = common.scene_from(options)
+    options["method"] = common.methods_for(scene, options["method"])
+    out = common.out_directory("evaluate", scene.slug(), options["out"])
+    refuse_existing(out, options["force"])
+    walks = options["samples"] * len(options["theta"]) * len(options["method"])
+    warnings = common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S)
+    common.announce(warnings)
+    started = now()
+    directions = slice_directions(scene, options["phi_o"], options["points"])
+    arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
+    with new_report(out) as draft:
+        values = evaluate(scene, options["method"], directions.wo, options["samples"], *arithmetic)
+        record = evaluation_record("evaluate", options, started, values, warnings)
+        write_json(draft / RUN, record)
+        write_csv(draft / "slice.csv", slice_table(scene, directions, values))
+        draw_slices(draft)
+    if options["as_json"]:
+        show_json(record | {"report": str(out)})
+    elif not options["quiet"]:
+        show(values, out)
+
+
+EVALUATIONS_PER_S = 2e7
+"""Rough rate of one core in walks times directions, for telling beforehand what takes long."""
+
+
+def show(values: list[Any], out: Any) -> None:
+    """Print the largest total of each method and its standard error, and the time it took."""
+    from msbsdf_cli.report.terminal import measured, show_table
+
+    lines = []
+    for v in values:
+        total, stderr = v.value[0, -1], v.stderr[0, -1]
+        top = int(total.argmax())
+        lines.append(
+            (
+                f"{v.theta:.4g}",
+                v.method,
+                measured(float(total[top]), float(stderr[top])),
+                f"{v.unresolved:.2g}",
+                f"{v.seconds:.2f}",
+            )
+        )
+    show_table(("theta", "method", "largest value [1/sr]", "unresolved", "seconds"), lines)
+    click.echo(f"Report: {out}")

@@ -1,0 +1,69 @@
+"""slice.png: methods side by side along a slice, order by order, from slice.csv."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from msbsdf_cli.report.directory import read_csv
+from msbsdf_cli.report.style import COLOURS, panels, save
+from surfaces.facet import Array
+
+NUMBERS = ("theta_i_rad", "theta_o_rad", "phi_o_rad", "value_per_sr", "stderr_per_sr")
+DASHES = ("-", "--", "-.", ":")
+
+
+def draw_slices(directory: Path) -> None:
+    """A row for each incident angle, a column for each order; a line for each method with a band of
+    two standard errors. Three channels are drawn in their colours, each method with its own dashes.
+    """
+    table = read_csv(directory / "slice.csv", NUMBERS)
+    columns = {name: np.array(table[name]) for name in table}
+    angles, orders, methods, channels = (
+        list(dict.fromkeys(table[name])) for name in ("theta_i_rad", "order", "method", "channel")
+    )
+    figure, axes = panels(len(angles), [2.0] * len(orders), 1.5, (0.45, 0.55))
+    for i, theta in enumerate(angles):
+        for j, order in enumerate(orders):
+            axis = axes[i, j]
+            here = (columns["theta_i_rad"] == theta) & (columns["order"] == order)
+            for m, method in enumerate(methods):
+                for channel in channels:
+                    mine = here & (columns["method"] == method) & (columns["channel"] == channel)
+                    _line(axis, {k: columns[k][mine] for k in NUMBERS}, m, channel)
+            axis.set_title(f"theta_i = {theta:.4g}, order {order}")
+            axis.set_ylim(bottom=0)
+            if i == len(angles) - 1:
+                axis.set_xlabel("angle from the zenith, degrees")
+        axes[i, 0].set_ylabel("BSDF x cos(theta_o)  [1/sr]")
+    handles = [
+        Line2D([], [], color=_colour(m, channels[0]), ls=_dashes(m, channels[0]), label=method)
+        for m, method in enumerate(methods)
+    ]
+    figure.legend(handles=handles, loc="upper left", ncols=4)
+    save(figure, directory / "slice.png")
+
+
+def _line(axis: Any, data: dict[str, Array], method: int, channel: str) -> None:
+    """The far half of the slice is drawn at positive angles, transmission beyond 90 degrees."""
+    if data["theta_o_rad"].size == 0:
+        return
+    behind = np.cos(data["phi_o_rad"] - data["phi_o_rad"][-1]) < 0
+    angle = np.degrees(np.where(behind, -data["theta_o_rad"], data["theta_o_rad"]))
+    order = np.argsort(angle)
+    value, error = (data[name][order] for name in ("value_per_sr", "stderr_per_sr"))
+    colour, dashes = _colour(method, channel), _dashes(method, channel)
+    axis.plot(angle[order], value, color=colour, ls=dashes)
+    axis.fill_between(
+        angle[order], value - 2 * error, value + 2 * error, color=colour, alpha=0.2, lw=0
+    )
+
+
+def _colour(method: int, channel: str) -> str:
+    named = {"red": "#c1272d", "green": "#2e8b3d", "blue": "#1f4fbf"}
+    return named.get(channel, COLOURS[method % len(COLOURS)])
+
+
+def _dashes(method: int, channel: str) -> str:
+    return DASHES[method % len(DASHES)] if channel else DASHES[method // len(COLOURS)]

@@ -1,0 +1,138 @@
+"""Evaluating methods for all incident angles of a scene, on all cores."""
+
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from msbsdf_cli.methods.protocol import Evaluation, Method
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.parallel import Progress, in_order
+from msbsdf_cli.scene import Scene
+from surfaces.facet import Array
+
+PARTS = 16
+"""Independent parts of the samples of a method: the spread between them is the standard error of
+the sum over orders, whose terms come from the same walks."""
+
+
+@dataclass(frozen=True)
+class EvaluationJob:
+    """One part of a method's samples for one incident angle."""
+
+    scene: Scene
+    method: str
+    theta_index: int
+    part: int
+    samples: int
+    seed: int
+    precision: str
+    wo: Array
+    """Outgoing directions (3, n)."""
+
+
+@dataclass
+class Values:
+    """BSDF x cos(theta_o) of a method, per steradian: (channels, orders + 2, n), orders 1 to K,
+    all the later ones, and all orders together."""
+
+    method: str
+    theta: float
+    value: Array
+    stderr: Array
+    unresolved: float
+    seconds: float
+    """Of all parts together, on one core each."""
+
+
+def evaluate(
+    scene: Scene,
+    methods: tuple[str, ...],
+    wo: Array,
+    samples: int,
+    seed: int,
+    threads: int,
+    precision: str,
+    quiet: bool,
+) -> list[Values]:
+    """All methods for all incident angles and outgoing directions (3, n), angle by angle.
+
+    Raises `NotForThis` where a method does not hold for the scene.
+    """
+    jobs = [
+        EvaluationJob(scene, name, i, part, size, seed, precision, wo)
+        for name in methods
+        for i in range(len(scene.theta))
+        for part, size in enumerate(_parts(samples, METHODS[name].deterministic))
+    ]
+    parts: dict[tuple[int, str], list[Part]] = {}
+    with Progress("evaluate", len(jobs), "parts", quiet) as progress:
+        for job, part in zip(jobs, in_order(run_job, jobs, threads), strict=True):
+            parts.setdefault((job.theta_index, job.method), []).append(part)
+            progress.advance(1)
+    return [
+        _merge(name, theta, parts[i, name])
+        for i, theta in enumerate(scene.theta)
+        for name in methods
+    ]
+
+
+class Part(NamedTuple):
+    """What a job came to."""
+
+    samples: int
+    evaluation: Evaluation
+    seconds: float
+
+
+def _parts(samples: int, deterministic: bool) -> list[int]:
+    if deterministic:
+        return [samples]
+    count = min(PARTS, samples)
+    return [samples // count + (i < samples % count) for i in range(count)]
+
+
+def run_job(job: EvaluationJob) -> Part:
+    """Evaluate one part; the time of the first includes the method's set-up."""
+    started = time.perf_counter()
+    scene = job.scene
+    method = _method(job.method, scene)
+    place = [job.seed, list(METHODS).index(job.method), job.theta_index, job.part]
+    rng = np.random.Generator(np.random.SFC64(place))
+    dtype = np.dtype(job.precision).type
+    wi = scene.wi(scene.theta[job.theta_index], dtype)
+    evaluation = method.evaluate(wi, job.wo.astype(dtype), job.samples, rng)
+    return Part(job.samples, evaluation, time.perf_counter() - started)
+
+
+@lru_cache(maxsize=2)
+def _method(name: str, scene: Scene) -> Method:
+    """Set up once in a process for all parts and angles."""
+    return METHODS[name](scene.distribution(), scene.facets(), scene.orders)
+
+
+def _merge(method: str, theta: float, parts: list[Part]) -> Values:
+    share = np.array([part.samples for part in parts], float)
+    share /= share.sum()
+    values = np.array([part.evaluation.value for part in parts], float)
+    stderrs = np.array([part.evaluation.stderr for part in parts], float)
+    weight = share[:, None, None, None]
+    value = (weight * values).sum(axis=0)
+    stderr = np.sqrt(((weight * stderrs) ** 2).sum(axis=0))
+    totals = values.sum(axis=2)
+    total = value.sum(axis=1)
+    if len(parts) > 1:
+        spread = (share[:, None, None] * (totals - total) ** 2).sum(axis=0)
+        total_stderr = np.sqrt(spread / (len(parts) - 1))
+    else:
+        total_stderr = stderr.sum(axis=1)
+    return Values(
+        method,
+        theta,
+        np.concatenate([value, total[:, None]], axis=1),
+        np.concatenate([stderr, total_stderr[:, None]], axis=1),
+        max(part.evaluation.unresolved for part in parts),
+        sum(part.seconds for part in parts),
+    )
