@@ -190,6 +190,11 @@ _OPTIONS: dict[str, Any] = {
         default="0,0.5,1,1.5",
         help="Incident polar angles in radians; a value may end in deg.",
     ),
+    "theta-furnace": dict(
+        type=Angles(0, math.pi / 2, "from 0 to below pi/2 (90deg)"),
+        default="0,0.3,0.6,0.9,1.1,1.3,1.4,1.5",
+        help="Incident polar angles in radians; a value may end in deg.",
+    ),
     "phi": dict(
         type=Angles(-math.inf, math.inf, "in radians", count=1),
         default="0",
@@ -300,6 +305,7 @@ VARIANTS = {
     "surface-slopes": "slopes",
     "eta-k-channels": "eta-k",
     "albedo-channels": "albedo",
+    "theta-furnace": "theta",
 }
 """Options that some commands have in another form, by the name that the user types."""
 

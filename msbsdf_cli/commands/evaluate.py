@@ -21,7 +21,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.report.directory import RUN, new_report, refuse_existing, write_csv, write_json
     from msbsdf_cli.report.slices import draw_slices
     from msbsdf_cli.studies.evaluating import evaluate
-    from msbsdf_cli.studies.recording import evaluation_record, now, show_json
+    from msbsdf_cli.studies.recording import methods_record, now, show_json, stopwatch
     from msbsdf_cli.studies.slicing import slice_directions, slice_table
 
     scene = common.scene_from(options)
@@ -31,12 +31,21 @@ def command(**options: Any) -> None:
     walks = options["samples"] * len(options["theta"]) * len(options["method"])
     warnings = common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S)
     common.announce(warnings)
-    started = now()
+    started, elapsed = now(), stopwatch()
     directions = slice_directions(scene, options["phi_o"], options["points"])
     arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
     with new_report(out) as draft:
         values = evaluate(scene, options["method"], directions.wo, options["samples"], *arithmetic)
-        record = evaluation_record("evaluate", options, started, values, warnings)
+        record = methods_record("evaluate", options, started, elapsed(), walks, warnings)
+        record["methods"] = [
+            {
+                "method": v.method,
+                "theta_i_rad": v.theta,
+                "unresolved": v.unresolved,
+                "seconds": v.seconds,
+            }
+            for v in values
+        ]
         write_json(draft / RUN, record)
         write_csv(draft / "slice.csv", slice_table(scene, directions, values))
         draw_slices(draft)

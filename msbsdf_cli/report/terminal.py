@@ -13,8 +13,9 @@ def show_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 
 
 def measured(value: float, stderr: float) -> str:
-    """A value with the digits that its standard error leaves standing: `0.4692(7)`."""
-    if not 0 < stderr < 1:
+    """A value with the digits that its standard error leaves standing: `0.4692(7)`; six where
+    these would be more than anybody reads."""
+    if not 5e-8 < stderr < 1:
         return f"{value:.6g}"
     digits = 0
     while round(stderr * 10**digits) < 1:

@@ -3,6 +3,8 @@
 import json
 import math
 import platform
+import time
+from collections.abc import Callable
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -14,7 +16,6 @@ from msbsdf_cli import __version__
 from msbsdf_cli.report.directory import RUN, write_csv, write_json
 from msbsdf_cli.report.terminal import measured, show_table
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.studies.evaluating import Values
 from msbsdf_cli.studies.outcome import Outcome
 from msbsdf_cli.studies.tables import all_tables, order_names
 from msbsdf_cli.tally import SIDES
@@ -39,20 +40,22 @@ def run_record(
     return _record(command, options, started, *rates, warnings)
 
 
-def evaluation_record(
+def methods_record(
     command: str,
     options: dict[str, Any],
     started: str,
-    values: list[Values],
+    wall_s: float,
+    walks: int,
     warnings: list[str],
 ) -> dict[str, Any]:
-    """The content of run.json of a run of methods; their walks are not counted in facets."""
-    wall_s = sum(v.seconds for v in values)
-    walks = options["samples"] * len(values)
-    record = _record(command, options, started, wall_s, walks / wall_s, None, warnings)
-    record["unresolved"] = {f"{v.method} {v.theta:.6g}": v.unresolved for v in values}
-    record["seconds"] = {f"{v.method} {v.theta:.6g}": v.seconds for v in values}
-    return record
+    """The content of run.json of a run of methods, whose facets are not counted."""
+    return _record(command, options, started, wall_s, walks / wall_s, None, warnings)
+
+
+def stopwatch() -> Callable[[], float]:
+    """A function that tells the seconds since now."""
+    started = time.monotonic()
+    return lambda: time.monotonic() - started
 
 
 def _record(

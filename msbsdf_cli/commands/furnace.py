@@ -1,0 +1,70 @@
+"""`msbsdf furnace`"""
+
+from typing import Any
+
+import click
+
+from msbsdf_cli.options import MODEL_IN_COLOUR, REPORT, Roughness, samples, use
+
+
+@click.command("furnace")
+@click.option(
+    "--alpha",
+    type=Roughness(),
+    multiple=True,
+    default=("0.1", "0.3", "0.6", "1"),
+    show_default=True,
+    help="Roughness, along x and y; repeat it for several.",
+)
+@use("method", *(name for name in MODEL_IN_COLOUR if name not in ("alpha", "theta")))
+@use("theta-furnace", "orders")
+@samples("4096")
+@use("seed", "threads", *REPORT)
+def command(**options: Any) -> None:
+    """Directional albedo of every method, over angle and roughness; the white sphere.
+
+    Without --method: all methods that hold for the material. A sphere that disappears before the
+    white wall conserves energy.
+    """
+    from msbsdf_cli.commands import common
+    from msbsdf_cli.report.directory import RUN, new_report, refuse_existing, write_csv, write_json
+    from msbsdf_cli.report.furnace import draw_furnace
+    from msbsdf_cli.studies.furnace import furnace, furnace_table
+    from msbsdf_cli.studies.recording import methods_record, now, show_json, stopwatch
+
+    alphas = options["alpha"]
+    scene = common.scene_from(options | {"alpha": alphas[0]})
+    options["method"] = common.methods_for(scene, options["method"])
+    out = common.out_directory("furnace", f"{scene.material}-{scene.slopes}", options["out"])
+    refuse_existing(out, options["force"])
+    warnings = common.scene_warnings(options | {"alpha": sum(alphas, ())}, 0.0)
+    common.announce(warnings)
+    started, elapsed = now(), stopwatch()
+    settings = options["samples"], options["seed"], options["threads"], options["quiet"]
+    with new_report(out) as draft:
+        results = furnace(scene, alphas, options["method"], *settings)
+        walks = options["samples"] * len(results) * len(scene.theta)
+        record = methods_record("furnace", options, started, elapsed(), walks, warnings)
+        write_json(draft / RUN, record)
+        write_csv(draft / "furnace.csv", furnace_table(scene, results))
+        draw_furnace(draft)
+    if options["as_json"]:
+        show_json(record | {"report": str(out)})
+    elif not options["quiet"]:
+        show(scene, results)
+        click.echo(f"Report: {out}")
+
+
+def show(scene: Any, results: list[Any]) -> None:
+    """Print the albedo of the first channel, a line for each method and roughness."""
+    from msbsdf_cli.report.terminal import measured, show_table
+
+    lines = [
+        (
+            r.method,
+            ",".join(f"{a:g}" for a in dict.fromkeys(r.alpha)),
+            *(measured(float(v[0]), float(e[0])) for v, e in zip(r.value, r.stderr, strict=True)),
+        )
+        for r in results
+    ]
+    show_table(("method", "alpha", *(f"{t:.4g}" for t in scene.theta)), lines)

@@ -1,0 +1,135 @@
+"""Directional albedo of every method: what comes back of light from everywhere, all the same.
+
+By reciprocity it is also how bright a surface is under constant white light. The first bounce is
+the mean weight of its own sampler; what the method adds to it is integrated by Monte Carlo over
+outgoing directions, with an estimate of the method's own noise in it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msbsdf_cli.methods.directions import exits
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.methods.single import Single, first_order, phase_density
+from msbsdf_cli.parallel import Progress, in_order
+from msbsdf_cli.report.directory import Table
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.studies.slicing import channel_names
+from surfaces.facet import Array, unit_circle
+
+REPEATS = 16
+"""Independent repetitions, whose spread is the standard error."""
+DIRECTIONS = 256
+"""Outgoing directions of a repetition."""
+FIRST = 16384
+"""Samples of the first bounce of a repetition."""
+
+
+@dataclass(frozen=True)
+class FurnaceJob:
+    """One method at one roughness, all angles."""
+
+    scene: Scene
+    method: str
+    samples: int
+    seed: int
+
+
+@dataclass
+class Albedos:
+    """Albedo and standard error of a method at a roughness, (theta, channels)."""
+
+    method: str
+    alpha: tuple[float, float]
+    value: Array
+    stderr: Array
+
+
+def furnace(
+    scene: Scene,
+    alphas: tuple[tuple[float, float], ...],
+    methods: tuple[str, ...],
+    samples: int,
+    seed: int,
+    threads: int,
+    quiet: bool,
+) -> list[Albedos]:
+    """All methods at all roughnesses, for the incident angles of `scene`."""
+    jobs = [
+        FurnaceJob(replace(scene, alpha=alpha), name, samples, seed)
+        for name in methods
+        for alpha in alphas
+    ]
+    results = []
+    with Progress("furnace", len(jobs), "surfaces", quiet) as progress:
+        for result in in_order(run_furnace, jobs, threads):
+            results.append(result)
+            progress.advance(1)
+    return results
+
+
+def run_furnace(job: FurnaceJob) -> Albedos:
+    """Albedos of one method at one roughness."""
+    scene = job.scene
+    slopes, material = scene.distribution(), scene.facets()
+    method = METHODS[job.method](slopes, material, scene.orders)
+    single = Single(slopes, material, scene.orders)
+    value = np.zeros((len(scene.theta), material.channels))
+    stderr = np.zeros_like(value)
+    for i, theta in enumerate(scene.theta):
+        wi = scene.wi(theta)
+        repeats = np.zeros((REPEATS, material.channels))
+        for repeat in range(REPEATS):
+            rng = np.random.Generator(np.random.SFC64([job.seed, i, repeat]))
+            first = single.sample(wi, FIRST, rng)[1].mean(axis=1)
+            wo, share = _outgoing(single, wi, rng)
+            walks = -(-job.samples // REPEATS)
+            added = method.evaluate(wi, wo, walks, rng).value.sum(axis=1)
+            added -= first_order(slopes, material, wi, exits(slopes, wo))
+            repeats[repeat] = first + (added * share).sum(axis=1)
+        value[i] = repeats.mean(axis=0)
+        stderr[i] = repeats.std(axis=0, ddof=1) / np.sqrt(REPEATS)
+    return Albedos(job.method, scene.alpha, value, stderr)
+
+
+def _outgoing(single: Single, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Outgoing directions (3, n) and 1 / (n density) (n,): half of them from cosine lobes on each
+    side that light leaves on, half from the first bounce; 0 where that one does not leave."""
+    n = DIRECTIONS // 2
+    cos_phi, sin_phi = unit_circle(n, rng)
+    # Strata: each n-th of the squared radius once.
+    radius2 = (rng.permutation(n) + rng.random(n)) / n
+    sides = 2 if single.material.transmits else 1
+    z = np.sqrt(1 - radius2) * np.where(np.arange(n) % sides == 1, -1, 1)
+    lobe = np.stack([np.sqrt(radius2) * cos_phi, np.sqrt(radius2) * sin_phi, z])
+    bounced, weight = single.sample(wi, n, rng)
+    leaves = np.append(np.ones(n, bool), weight[0] > 0)
+    wo = np.hstack([lobe, np.where(leaves[n:], bounced, lobe)])
+    density = phase_density(single.slopes, single.material, wi, wo)
+    density += np.abs(wo[2]) / np.pi / sides
+    return wo, leaves / (n * density)
+
+
+def furnace_table(scene: Scene, results: list[Albedos]) -> Table:
+    """furnace.csv"""
+    names = ("method", "material", "slopes", "alpha_x", "alpha_y", "theta_i_rad")
+    table: dict[str, list[float | str]] = {
+        name: [] for name in (*names, "albedo", "stderr", "channel")
+    }
+    for result in results:
+        for c, channel in enumerate(channel_names(result.value.shape[1])):
+            for i, theta in enumerate(scene.theta):
+                row: tuple[float | str, ...] = (
+                    result.method,
+                    scene.material,
+                    scene.slopes,
+                    *result.alpha,
+                    theta,
+                    float(result.value[i, c]),
+                    float(result.stderr[i, c]),
+                    channel,
+                )
+                for column, cell in zip(table.values(), row, strict=True):
+                    column.append(cell)
+    return table
