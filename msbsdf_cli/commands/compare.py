@@ -10,7 +10,7 @@ from msbsdf_cli.options import FREE_PATH, MODEL_OF_SURFACES, REPORT, RESOLUTION,
 
 @click.command("compare")
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
-@use(*MODEL_OF_SURFACES, "orders")
+@use(*MODEL_OF_SURFACES, "orders", "method")
 @samples("2e6")
 @use(*RESOLUTION, "mesh", "max-order", *FREE_PATH, "seed", "threads", "precision", *REPORT)
 def command(runs: tuple[str, ...], **options: Any) -> None:
@@ -18,10 +18,11 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
 
     RUN is the directory of a report of `simulate` or `walk`; what is not given is run, for the
     same scene. Writes agreement.csv and pictures, and the reports that it made as directories.
+    With --method, the lobes of other methods are held against the surfaces instead of the walk.
     """
     from msbsdf_cli.commands import common, simulate, walk
     from msbsdf_cli.report.directory import new_report, refuse_existing
-    from msbsdf_cli.studies.agreement import in_one_sentence, in_order
+    from msbsdf_cli.studies.agreement import in_order
     from msbsdf_cli.studies.recording import show_json
 
     if len(runs) > 2:
@@ -38,26 +39,45 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
         simulate.resolve(scene, options)
         warnings += simulate.surface_warnings(options)
         work_s += simulate.work_s(options)
-    if "walk" not in handed:
+    if options["method"] is not None:
+        if "walk" in handed:
+            raise click.UsageError(
+                f"--method replaces the walk; leave out {handed['walk']}, or leave out --method."
+            )
+        options["method"] = common.methods_for(scene, options["method"])
+    elif "walk" not in handed:
         work_s += walk.work_s(options)
     warnings += common.scene_warnings(options, work_s)
     common.announce(warnings)
     if len(handed) == 2:
         in_order(*handed.values())
     with new_report(out) as draft:
-        for name, producer in (("simulate", simulate), ("walk", walk)):
-            if name not in handed:
-                handed[name] = draft / name
-                handed[name].mkdir()
-                producer.run(handed[name], scene, options, [])
-        rows, record = write_comparison(
-            draft, handed["simulate"], handed["walk"], options, warnings
-        )
+        if "simulate" not in handed:
+            (draft / "simulate").mkdir()
+            simulate.run(draft / "simulate", scene, options, [])
+        simulated = handed.get("simulate", draft / "simulate")
+        modelled = models(draft, scene, options, handed)
+        rows, record = write_comparison(draft, simulated, modelled, options, warnings)
     if options["as_json"]:
         show_json(record | {"report": str(out)})
     elif not options["quiet"]:
         show(rows)
-        click.echo(f"\n{in_one_sentence(rows)}\nReport: {out}")
+        click.echo(f"\n{record['summary']}\nReport: {out}")
+
+
+def models(
+    draft: Path, scene: Any, options: dict[str, Any], handed: dict[str, Path]
+) -> dict[str, Path]:
+    """Reports of the methods wanted, or of the walk, made where they are not handed over."""
+    from msbsdf_cli.commands import walk
+    from msbsdf_cli.studies.method_lobes import write_method_lobes
+
+    if options["method"] is not None:
+        return write_method_lobes(draft, scene, options["method"], options)
+    if "walk" not in handed:
+        (draft / "walk").mkdir()
+        walk.run(draft / "walk", scene, options, [])
+    return {"walk": handed.get("walk", draft / "walk")}
 
 
 def take_runs(runs: tuple[str, ...], options: dict[str, Any]) -> dict[str, Path]:
@@ -91,32 +111,38 @@ def take_runs(runs: tuple[str, ...], options: dict[str, Any]) -> dict[str, Path]
 
 
 def write_comparison(
-    draft: Path, simulated: Path, modelled: Path, options: dict[str, Any], warnings: list[str]
+    draft: Path,
+    simulated: Path,
+    modelled: dict[str, Path],
+    options: dict[str, Any],
+    warnings: list[str],
 ) -> tuple[list[Any], dict[str, Any]]:
-    """Compare two reports and write the result into `draft`; its rows and run.json's content."""
+    """Compare reports and write the result into `draft`; its rows and run.json's content."""
     from msbsdf_cli.report.agreement import draw_agreement
     from msbsdf_cli.report.directory import RUN, read_run, write_csv, write_json
     from msbsdf_cli.report.free_path import draw_free_paths
-    from msbsdf_cli.report.lobes import draw_lobe_comparison
+    from msbsdf_cli.report.lobes import draw_lobe_comparison, draw_methods
     from msbsdf_cli.studies.agreement import agreement, as_table, in_one_sentence
 
-    rows = agreement(simulated, modelled)
+    rows, sentences = [], []
+    for name, path in modelled.items():
+        mine = agreement(simulated, path, name)
+        target = path if options["method"] else draft
+        draw_agreement(mine, target / "agreement.png")
+        draw_lobe_comparison(simulated, path, target)
+        if (path / "free_path.csv").exists():
+            draw_free_paths(simulated, path, draft)
+        rows += mine
+        sentences.append(in_one_sentence(mine))
     write_csv(draft / "agreement.csv", as_table(rows))
-    draw_agreement(rows, draft)
-    draw_free_paths(simulated, modelled, draft)
-    draw_lobe_comparison(simulated, modelled, draft)
-    parts = {name: read_run(path) for name, path in (("simulate", simulated), ("walk", modelled))}
-    wall_s = sum(part["wall_s"] for part in parts.values())
-    paths = sum(part["wall_s"] * part["rate_per_s"] for part in parts.values())
-    record = dict(parts["simulate"])
+    if options["method"]:
+        draw_methods(simulated, modelled, draft)
+    record = read_run(simulated)
     record |= {
         "command": "compare",
         "options": options,
-        "wall_s": wall_s,
-        "rate_per_s": paths / wall_s,
-        "warnings": warnings + [w for part in parts.values() for w in part["warnings"]],
-        "summary": in_one_sentence(rows),
-        "runs": {name: part | {"options": None} for name, part in parts.items()},
+        "warnings": warnings + record["warnings"],
+        "summary": "\n".join(sentences),
     }
     write_json(draft / RUN, record)
     return rows, record
@@ -129,7 +155,17 @@ def show(rows: list[Any]) -> None:
     """
     from msbsdf_cli.report.terminal import measured, show_table
 
-    header = ("quantity", "theta", "order", "side", "simulated", "modelled", "difference", "noise")
+    header = (
+        "method",
+        "quantity",
+        "theta",
+        "order",
+        "side",
+        "simulated",
+        "modelled",
+        "difference",
+        "noise",
+    )
     lines = []
     for r in rows:
         if r.quantity == "total_variation" and r.order != "all":
@@ -138,6 +174,7 @@ def show(rows: list[Any]) -> None:
             continue
         lines.append(
             (
+                r.method,
                 r.quantity,
                 f"{r.theta:.4g}",
                 r.order,

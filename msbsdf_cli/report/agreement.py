@@ -8,7 +8,7 @@ import numpy as np
 from msbsdf_cli.report.style import COLOURS, panels, save
 
 
-def draw_agreement(rows: list[Any], directory: Path) -> None:
+def draw_agreement(rows: list[Any], path: Path) -> None:
     """From the energy rows of an agreement (order, side, theta, values and standard errors)."""
     rows = [r for r in rows if r.quantity == "energy" and r.order != "all"]
     angles = list(dict.fromkeys(r.theta for r in rows))
@@ -39,4 +39,4 @@ def draw_agreement(rows: list[Any], directory: Path) -> None:
     axes[0, 0].set_ylabel("energy, share of the incident")
     axes[1, 0].set_ylabel("modelled - simulated\n(bars: 2 std. errors)")
     axes[0, 0].legend(loc="upper right")
-    save(figure, directory / "agreement.png")
+    save(figure, path)

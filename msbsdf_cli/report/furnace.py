@@ -55,7 +55,7 @@ def _draw_spheres(
             axes[i, j].axis("off")
             if i == 0:
                 axes[i, j].set_title(
-                    method.replace("position-free-", "position-free\\n"), fontsize=6
+                    method.replace("position-free-", "position-free\n"), fontsize=6
                 )
         axes[i, 0].text(
             -0.06,

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.colors import PowerNorm, SymLogNorm
+from matplotlib.lines import Line2D
 
 from msbsdf_cli.report.directory import read_csv
 from msbsdf_cli.report.style import order_colour, panels, save
@@ -83,7 +84,8 @@ def draw_lobes(directory: Path) -> None:
 
 
 def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> None:
-    """lobes.png: all orders together, and a page for each angle with a map for each order."""
+    """lobes.png: all orders together, and a page for each angle with a map for each order, into
+    `directory`."""
     ours, theirs = load_lobes(simulated), load_lobes(modelled)
     for side in range(1 + ours.transmits):
         figure, axes = _grid(len(ours.theta), 3)
@@ -101,6 +103,31 @@ def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> No
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
     for row, theta in enumerate(ours.theta):
         _draw_orders(ours, theirs, row, directory / f"lobes_theta_{theta:.4g}.png")
+
+
+def draw_methods(simulated: Path, modelled: dict[str, Path], directory: Path) -> None:
+    """methods.png: the plane of incidence, a row for each angle and a column for each order; points
+    are simulated, lines the methods by name."""
+    ours = load_lobes(simulated)
+    theirs = {name: load_lobes(path) for name, path in modelled.items()}
+    for side in range(1 + ours.transmits):
+        figure, axes = panels(len(ours.theta), [2.0] * len(ours.orders), 1.5, (0.45, 0.7))
+        for row, theta in enumerate(ours.theta):
+            for i, order in enumerate(ours.orders):
+                axis = axes[row, i]
+                for k, lobes in enumerate(theirs.values()):
+                    angle, values, _ = _plane(lobes, row, i, side)
+                    axis.plot(angle, values, color=order_colour(k), lw=0.9)
+                angle, values, errors = _plane(ours, row, i, side)
+                axis.errorbar(angle, values, errors, fmt="o", ms=1.8, lw=0.7, color="0.1")
+                _plane_axis(axis)
+                axis.set_title(f"theta_i = {theta:.4g}, order {order}   [1/sr]")
+        handles = [
+            Line2D([], [], color=order_colour(k), label=name) for k, name in enumerate(theirs)
+        ]
+        handles.append(Line2D([], [], color="0.1", marker="o", ms=2, ls="", label="simulated"))
+        figure.legend(handles=handles, loc="upper left", ncols=5)
+        save(figure, directory / ("methods_transmitted.png" if side else "methods.png"))
 
 
 def _draw_orders(ours: Lobes, theirs: Lobes, row: int, path: Path) -> None:
@@ -130,32 +157,37 @@ def draw_slice(
 ) -> None:
     """Density in the plane of incidence, order by order: points with error bars where a model's
     lines go with them."""
-    polar, azimuth, _ = lobe_axes()
-    angle = np.degrees(np.concatenate([-polar[::-1], polar]))
-    backward, forward = (_window(polar, azimuth, lobes.phi + turn) for turn in (0, np.pi))
-
-    def plane(values: Array) -> Array:
-        sides = (values * backward).sum(axis=1), (values * forward).sum(axis=1)
-        return np.concatenate([sides[0][::-1], sides[1]])
-
-    def plane_error(values: Array) -> Array:
-        sides = (values * backward) ** 2, (values * forward) ** 2
-        return np.sqrt(np.concatenate([sides[0].sum(axis=1)[::-1], sides[1].sum(axis=1)]))
-
     for i in range(len(lobes.orders)) if only is None else (only,):
-        density = plane(lobes.density[row, i, side])
-        stderr = plane_error(lobes.stderr[row, i, side])
+        angle, density, stderr = _plane(lobes, row, i, side)
         label, colour = lobes.orders[i], order_colour(i)
         if model is None:
             axis.plot(angle, density, color=colour, label=f"order {label}")
             axis.fill_between(angle, density - stderr, density + stderr, color=colour, alpha=0.25)
         else:
             axis.errorbar(angle, density, stderr, fmt="o", ms=1.8, lw=0.7, color=colour)
-            axis.plot(angle, plane(model.density[row, i, side]), color=colour, lw=0.9)
+            axis.plot(angle, _plane(model, row, i, side)[1], color=colour, lw=0.9)
+    _plane_axis(axis)
+
+
+def _plane_axis(axis: Any) -> None:
     axis.set_xlim(-90, 90)
     axis.set_ylim(bottom=0)
     axis.set_xticks([-90, -45, 0, 45, 90])
     axis.set_xlabel("theta_o in the plane of incidence, degrees", labelpad=1)
+
+
+def _plane(lobes: Lobes, row: int, order: int, side: int) -> tuple[Array, Array, Array]:
+    """Angles in degrees, densities and standard errors in the plane of incidence."""
+    polar, azimuth, _ = lobe_axes()
+    backward, forward = (_window(polar, azimuth, lobes.phi + turn) for turn in (0, np.pi))
+    values, errors = lobes.density[row, order, side], lobes.stderr[row, order, side]
+    halves = [(values * window).sum(axis=1) for window in (backward, forward)]
+    squares = [((errors * window) ** 2).sum(axis=1) for window in (backward, forward)]
+    return (
+        np.degrees(np.concatenate([-polar[::-1], polar])),
+        np.concatenate([halves[0][::-1], halves[1]]),
+        np.sqrt(np.concatenate([squares[0][::-1], squares[1]])),
+    )
 
 
 def _window(polar: Array, azimuth: Array, phi: float) -> Array:
@@ -169,8 +201,6 @@ def _window(polar: Array, azimuth: Array, phi: float) -> Array:
 
 
 def _legend(orders: list[str]) -> list[Any]:
-    from matplotlib.lines import Line2D
-
     handles = [
         Line2D([], [], color=order_colour(i), label=f"order {o}") for i, o in enumerate(orders)
     ]

@@ -1,7 +1,7 @@
 """How far a simulated and a modelled report lie apart, and how much of it noise explains."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import click
@@ -39,6 +39,7 @@ class Row:
     """How large a difference noise alone makes."""
     own: float
     """How much of the difference is the model's own."""
+    method: str = "walk"
 
 
 def in_order(first: Path, second: Path) -> tuple[Path, Path]:
@@ -68,15 +69,16 @@ def in_order(first: Path, second: Path) -> tuple[Path, Path]:
     return simulated, modelled
 
 
-def agreement(simulated: Path, modelled: Path) -> list[Row]:
-    """Every quantity of two reports, side by side."""
+def agreement(simulated: Path, modelled: Path, method: str = "walk") -> list[Row]:
+    """Every quantity of two reports, side by side; without free paths where the model has none."""
     ours, theirs = load_lobes(simulated), load_lobes(modelled)
     rows = _energies(simulated, modelled)
     for i, theta in enumerate(ours.theta):
         for side in range(1 + ours.transmits):
             rows += _total_variations(ours, theirs, i, theta, side)
-    rows += _free_paths(load_free_paths(simulated), load_free_paths(modelled), ours.phi)
-    return rows
+    if (modelled / "free_path.csv").exists():
+        rows += _free_paths(load_free_paths(simulated), load_free_paths(modelled), ours.phi)
+    return [replace(row, method=method) for row in rows]
 
 
 def as_table(rows: list[Row]) -> Table:
@@ -95,6 +97,8 @@ def _energies(simulated: Path, modelled: Path) -> list[Row]:
     values = dict(zip(keys[1], zip(theirs["energy"], theirs["stderr"], strict=True), strict=True))
     rows = []
     for key, a, a_stderr in zip(keys[0], ours["energy"], ours["stderr"], strict=True):
+        if key not in values:
+            continue  # Methods that evaluate do not say what was absorbed.
         b, b_stderr = values[key]
         rows.append(_signed("energy", key, a, a_stderr, b, b_stderr))
     return rows
@@ -211,7 +215,7 @@ def in_one_sentence(rows: list[Row]) -> str:
     escapes = [r for r in rows if r.quantity == "free_path_escape"]
     energy, lobe = max(energies, key=_own), max(lobes, key=_own)
     text = (
-        f"Beyond noise, the model misses the energy of a single order by at most "
+        f"Beyond noise, {energies[0].method} misses the energy of a single order by at most "
         f"{abs(energy.own):.3g} (order {energy.order}, {energy.side}, theta {energy.theta:.3g}: "
         f"{energy.modelled:.4f} modelled, {energy.simulated:.4f} simulated), "
         f"sends at most {lobe.own:.3g} of the light elsewhere (theta {lobe.theta:.3g})"

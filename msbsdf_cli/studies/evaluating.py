@@ -45,6 +45,8 @@ class Values:
     unresolved: float
     seconds: float
     """Of all parts together, on one core each."""
+    energy: Array | None = None
+    """Energy of each order and side and its standard error, (2, channels, orders + 1, 2)."""
 
 
 def evaluate(
@@ -56,9 +58,11 @@ def evaluate(
     threads: int,
     precision: str,
     quiet: bool,
+    solid_angle: Array | None = None,
 ) -> list[Values]:
     """All methods for all incident angles and outgoing directions (3, n), angle by angle.
 
+    `solid_angle` (n,) makes the directions a quadrature, and energies of it.
     Raises `NotForThis` where a method does not hold for the scene.
     """
     jobs = [
@@ -73,7 +77,7 @@ def evaluate(
             parts.setdefault((job.theta_index, job.method), []).append(part)
             progress.advance(1)
     return [
-        _merge(name, theta, parts[i, name])
+        _merge(name, theta, parts[i, name], wo, solid_angle)
         for i, theta in enumerate(scene.theta)
         for name in methods
     ]
@@ -113,7 +117,20 @@ def _method(name: str, scene: Scene) -> Method:
     return METHODS[name](scene.distribution(), scene.facets(), scene.orders)
 
 
-def _merge(method: str, theta: float, parts: list[Part]) -> Values:
+def _energy(values: Array, share: Array, wo: Array, solid_angle: Array) -> Array:
+    """Means over parts (parts, channels, orders + 1, n) of the energy on each side, and standard
+    errors from the spread between parts."""
+    sides = np.stack([wo[2] > 0, wo[2] < 0], axis=1) * solid_angle[:, None]
+    energies = values @ sides
+    weight = share[:, None, None, None]
+    mean = (weight * energies).sum(axis=0)
+    spread = (weight * (energies - mean) ** 2).sum(axis=0)
+    return np.stack([mean, np.sqrt(spread / max(len(values) - 1, 1))])
+
+
+def _merge(
+    method: str, theta: float, parts: list[Part], wo: Array, solid_angle: Array | None
+) -> Values:
     share = np.array([part.samples for part in parts], float)
     share /= share.sum()
     values = np.array([part.evaluation.value for part in parts], float)
@@ -135,4 +152,5 @@ def _merge(method: str, theta: float, parts: list[Part]) -> Values:
         np.concatenate([stderr, total_stderr[:, None]], axis=1),
         max(part.evaluation.unresolved for part in parts),
         sum(part.seconds for part in parts),
+        None if solid_angle is None else _energy(values, share, wo, solid_angle),
     )

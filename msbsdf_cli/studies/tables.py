@@ -7,7 +7,7 @@ import numpy as np
 from msbsdf_cli.report.directory import Table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.outcome import FreePaths, Outcome
-from msbsdf_cli.tally import MOMENTS, SIDES, lobe_axes, sequence_names
+from msbsdf_cli.tally import MOMENTS, PHI_BINS, SIDES, Estimate, lobe_axes, sequence_names
 from surfaces.facet import Array
 
 
@@ -34,17 +34,28 @@ def _short(values: Array) -> list[float]:
     return [float(f"{v:.9g}") for v in values]
 
 
+ENERGY = ("theta_i_rad", "phi_i_rad", "order", "side", "energy", "stderr")
+
+
 def energy(scene: Scene, outcome: Outcome) -> Table:
-    """energy.csv"""
-    table = _columns("theta_i_rad", "phi_i_rad", "order", "side", "energy", "stderr")
-    for theta, tally in zip(scene.theta, outcome.tallies, strict=True):
-        estimate = tally.estimate("energy")
+    """energy.csv of a producer."""
+    rest = [
+        {name: tally.estimate(name) for name in ("absorbed", "unresolved")}
+        for tally in outcome.tallies
+    ]
+    return energy_table(scene, [tally.estimate("energy") for tally in outcome.tallies], rest)
+
+
+def energy_table(scene: Scene, energies: list[Estimate], rest: list[dict[str, Estimate]]) -> Table:
+    """energy.csv, from energies (order, side) and what else became of the light, for each
+    incident angle."""
+    table = _columns(*ENERGY)
+    for theta, estimate, others in zip(scene.theta, energies, rest, strict=True):
         for row, order in enumerate(order_names(scene.orders)):
             for column, side in enumerate(_sides(scene)):
                 value, stderr = estimate.value[row, column], estimate.stderr[row, column]
                 _append(table, theta, scene.phi, order, side, float(value), float(stderr))
-        for name in ("absorbed", "unresolved"):
-            total = tally.estimate(name)
+        for name, total in others.items():
             _append(table, theta, scene.phi, "all", name, float(total.value), float(total.stderr))
     return table
 
@@ -63,45 +74,55 @@ def moments(scene: Scene, outcome: Outcome) -> Table:
     return table
 
 
+LOBE = (
+    "theta_i_rad",
+    "phi_i_rad",
+    "order",
+    "side",
+    "theta_o_rad",
+    "phi_o_rad",
+    "solid_angle_sr",
+    "density_per_sr",
+    "stderr_per_sr",
+)
+
+
 def lobe(scene: Scene, outcome: Outcome) -> Table:
-    """lobe.csv, without bins that nothing fell into."""
-    table = _columns(
-        "theta_i_rad",
-        "phi_i_rad",
-        "order",
-        "side",
-        "theta_o_rad",
-        "phi_o_rad",
-        "solid_angle_sr",
-        "density_per_sr",
-        "stderr_per_sr",
+    """lobe.csv of a producer."""
+    estimates = [tally.estimate("lobe") for tally in outcome.tallies]
+    solid_angle = np.repeat(lobe_axes()[2], PHI_BINS)
+    return lobe_table(
+        scene,
+        [e.value / solid_angle for e in estimates],
+        [e.stderr / solid_angle for e in estimates],
     )
+
+
+def lobe_table(scene: Scene, density: list[Array], stderr: list[Array]) -> Table:
+    """lobe.csv, without empty bins, from arrays (order, side, bin) for each incident angle."""
+    table = _columns(*LOBE)
     polar, azimuth, solid_angle = lobe_axes()
     theta_o, phi_o = (a.ravel() for a in np.meshgrid(polar, azimuth, indexing="ij"))
-    solid = np.repeat(solid_angle, azimuth.size)
-    for theta, tally in zip(scene.theta, outcome.tallies, strict=True):
-        estimate = tally.estimate("lobe")
+    solid = np.repeat(solid_angle, PHI_BINS)
+    for i, theta in enumerate(scene.theta):
         for row, order in enumerate(order_names(scene.orders)):
             for column, side in enumerate(_sides(scene)):
-                values = estimate.value[row, column]
+                values = density[i][row, column]
                 filled = np.flatnonzero(values)
-                polar_o = theta_o if column == 0 else math.pi - theta_o
-                for name, data in zip(
-                    table,
-                    (
-                        [theta] * filled.size,
-                        [scene.phi] * filled.size,
-                        [order] * filled.size,
-                        [side] * filled.size,
-                        polar_o[filled].tolist(),
-                        phi_o[filled].tolist(),
-                        solid[filled].tolist(),
-                        _short((values / solid)[filled]),
-                        _short((estimate.stderr[row, column] / solid)[filled]),
-                    ),
-                    strict=True,
-                ):
-                    table[name].extend(data)
+                n = filled.size
+                columns = (
+                    [theta] * n,
+                    [scene.phi] * n,
+                    [order] * n,
+                    [side] * n,
+                    (theta_o if column == 0 else math.pi - theta_o)[filled].tolist(),
+                    phi_o[filled].tolist(),
+                    solid[filled].tolist(),
+                    _short(values[filled]),
+                    _short(stderr[i][row, column][filled]),
+                )
+                for name, cells in zip(table, columns, strict=True):
+                    table[name].extend(cells)
     return table
 
 
