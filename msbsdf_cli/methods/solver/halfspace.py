@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from msbsdf_cli.methods.solver.anisotropic import DiffuseGrid, MirrorGrid
 from msbsdf_cli.methods.solver.isotropic import DiffuseModes, MirrorModes
 from msbsdf_cli.methods.solver.nodes import Elevations
 from msbsdf_cli.methods.solver.orders import Kernel, Rows, Table, energy, path_weight, tabulate
@@ -81,12 +82,21 @@ class HalfSpace:
         return grid, tabulate(grid.kernel(), self.orders)
 
     def _discretise(self, energy_only: bool) -> Discretisation:
-        """Lobes are as wide as the roughness in elevation, and in azimuth towards grazing
-        angles narrower still; what a diffuse facet scatters is wide."""
-        alpha = self.slopes.alpha_x
-        elevations = Elevations(round(self.resolution * (22 + 2.4 / alpha)))
-        lobes = 64 if isinstance(self.material, Diffuse) else 40 + 40 / alpha
-        modes = 1 if energy_only else round(self.resolution * lobes)
+        """As fine as the lobes are narrow: as wide as the roughness in elevation, and narrower
+        still in azimuth towards grazing angles; what a diffuse facet scatters is wide. A grid of
+        directions has to afford less in azimuth than Fourier modes do."""
+        alpha, wide = sorted((self.slopes.alpha_x, self.slopes.alpha_y))
+        diffuse = isinstance(self.material, Diffuse)
+        if alpha == wide:
+            elevations = Elevations(round(self.resolution * (22 + 2.4 / alpha)))
+            modes = round(self.resolution * (64 if diffuse else 40 + 40 / alpha))
+            modes = 1 if energy_only else modes
+            if isinstance(self.material, Diffuse):
+                return DiffuseModes(self.slopes, self.material, elevations, modes)
+            return MirrorModes(self.slopes, self.material, elevations, modes)
+        elevations = Elevations(round(self.resolution * (16 + 1.2 / alpha)))
+        lobes = 4 + 1.4 * wide / alpha if energy_only or diffuse else 8 + wide / alpha + 1 / alpha
+        quarter, blocks = round(self.resolution * lobes), 1 if energy_only else 4
         if isinstance(self.material, Diffuse):
-            return DiffuseModes(self.slopes, self.material, elevations, modes)
-        return MirrorModes(self.slopes, self.material, elevations, modes)
+            return DiffuseGrid(self.slopes, elevations, quarter, blocks, self.material)
+        return MirrorGrid(self.slopes, elevations, quarter, blocks, self.material)
