@@ -6,9 +6,10 @@ import numpy as np
 
 from msbsdf_cli.methods.protocol import Evaluation, NotForThis
 from msbsdf_cli.methods.solver.halfspace import HalfSpace
+from msbsdf_cli.methods.solver.interface import TwoHalfSpaces
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Diffuse, Material
+from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
 COARSER = 0.75
 """Resolution of the second solution, whose difference from the first estimates its error. The
@@ -25,7 +26,7 @@ class Energy:
     reflected: Array
     transmitted: Array
     error: Array
-    """Error estimate of the sum of both, from two resolutions."""
+    """Error estimate of both together, from two resolutions."""
 
 
 class Solve:
@@ -44,10 +45,9 @@ class Solve:
         roughness 0.05 to 5; convergence is exponential for mirrors, of third order otherwise.
         Raises NotForThis for materials that cannot be solved.
         """
-        if not isinstance(material, Conductor | Diffuse):
-            raise NotForThis(f"solve does not know {material.name} facets")
-        self.fine = HalfSpace(slopes, material, orders, resolution)
-        self.coarse = HalfSpace(slopes, material, orders, COARSER * resolution)
+        self.fine, self.coarse = (
+            _solution(slopes, material, orders, r) for r in (resolution, COARSER * resolution)
+        )
 
     def evaluate(
         self, wi: Array, wo: Array, samples: int = 0, rng: np.random.Generator | None = None
@@ -64,6 +64,26 @@ class Solve:
 
     def energy(self, wi: Array) -> Energy:
         """Energy of each order that leaves, for a unit vector `wi` (3,), z > 0."""
-        wi = wi.astype(float)[:, None]
-        fine, coarse = (s.energy(wi)[..., 0] for s in (self.fine, self.coarse))
-        return Energy(fine, np.zeros_like(fine), np.abs(fine - coarse))
+        fine, coarse = (s.energy(wi.astype(float)) for s in (self.fine, self.coarse))
+        error = np.abs(fine - coarse).sum(axis=1)
+        return Energy(fine[:, 0], fine[:, 1], error)
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Not offered."""
+        raise NotForThis("solve evaluates a BSDF without samples, and has no sampler of its own")
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        """Not offered."""
+        raise NotForThis("solve evaluates a BSDF without samples, and has no sampler of its own")
+
+
+def _solution(
+    slopes: Slopes, material: Material, orders: int, resolution: float
+) -> HalfSpace | TwoHalfSpaces:
+    if isinstance(material, Conductor | Diffuse):
+        return HalfSpace(slopes, material, orders, resolution)
+    if not isinstance(material, Dielectric):
+        raise NotForThis(f"solve does not know {material.name} facets")
+    if slopes.alpha_x != slopes.alpha_y:
+        raise NotForThis("solve does dielectrics of one roughness only, not of alpha_x and alpha_y")
+    return TwoHalfSpaces(slopes, material, orders, resolution)

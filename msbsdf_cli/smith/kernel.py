@@ -8,7 +8,7 @@ With p the phase function of a facet and sigma the projected area, q(d -> w) = s
 import numpy as np
 
 from msbsdf_cli.smith.slopes import Slopes
-from surfaces.facet import Array, dot
+from surfaces.facet import Array, dot, fresnel_dielectric
 from surfaces.materials import Conductor, Diffuse
 
 LUNE_NODES = 40
@@ -93,3 +93,26 @@ def _lune_frame(a: Array, b: Array) -> tuple[Array, Array, Array]:
     axis = np.where(length > 0, axis, fallback)
     axis /= np.sqrt(dot(axis, axis))
     return axis, e1, np.cross(axis, e1, axis=0)
+
+
+def dielectric_density(slopes: Slopes, eta: float, d: Array, w: Array) -> tuple[Array, Array]:
+    """Projected scattering (n,) off and through a dielectric interface, per steradian of `w`.
+
+    `eta` is the index behind the facets over the index before them. `w` (3, n) after
+    transmission is point-reflected, as seen by one who stands on the other side with the surface
+    below ([HHdD16] Section 4.1). Transmission is F_T <-d, m> D(m) dm/dw with m along d + eta w
+    (Walter et al. 2007, Eqs. 16 and 17). Reversed: q_T(d -> w) = eta^2 q_T'(-w -> -d), where the
+    dash is for the other side.
+    """
+    mirror = _mirror(slopes, Conductor(), d, w)[0]
+    h = w - d
+    reflected = mirror * fresnel_dielectric(np.sqrt(dot(h, h)) / 2, eta)[0]
+    m = (d + eta * w) * np.sign(eta - 1)
+    length2 = dot(m, m)
+    m = m / np.sqrt(length2)
+    cos_i, cos_t = np.maximum(-dot(d, m), 0), np.maximum(dot(w, m), 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Where only rounding says that the facet is seen, total reflection hides it.
+        kept = 1 - fresnel_dielectric(cos_i, eta)[0]
+        transmitted = kept * cos_i * cos_t * slopes.D(m) * eta * eta / length2
+    return reflected, np.where((cos_i > 0) & (cos_t > 0) & (m[2] > 0), transmitted, 0)

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from msbsdf_cli.methods.solver.isotropic import CHUNK
-from msbsdf_cli.methods.solver.nodes import Elevations, azimuths, gauss
+from msbsdf_cli.methods.solver.nodes import Elevations, azimuths, coordinate, gauss
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
 from msbsdf_cli.smith.kernel import scatter_density
 from msbsdf_cli.smith.slopes import Slopes
@@ -101,10 +101,8 @@ class MirrorGrid(QuarterGrid):
 
     def _row(self, d: Array) -> tuple[Array, Array]:
         """Scattering (channels, blocks, n) from a direction (3,): down (weighted) and up."""
-        angle, nodes = (
-            self.elevations.below(self.elevations.coordinate(d[:, None])),
-            self.elevations.nodes,
-        )
+        x = coordinate(np.hypot(d[0], d[1]), np.abs(d[2]))[None]
+        angle, nodes = self.elevations.between(0 * x, x), self.elevations.nodes
         phi, weight = self._offsets
         phi = phi + np.arctan2(d[1], d[0])
         sin, cos = (

@@ -67,9 +67,10 @@ class HalfSpace:
         return value * np.maximum(wo[2], 0), start.unresolved
 
     def energy(self, wi: Array) -> Array:
-        """Energy (channels, orders + 1, n) that leaves in each order for directions (3, n)."""
+        """Energy (channels, sides, orders + 1) that leaves in each order for `wi` (3,)."""
         grid, table = self._energetic
-        return energy(table.kernel, table.extend(grid.rows(wi)))
+        reflected = energy(table.kernel, table.extend(grid.rows(wi[:, None])))[..., 0]
+        return np.stack([reflected, np.zeros_like(reflected)], axis=1)
 
     @cached_property
     def _directional(self) -> tuple[Discretisation, Table]:

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, gauss
+from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate, gauss
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
 from msbsdf_cli.smith.kernel import scatter_density
 from msbsdf_cli.smith.slopes import Slopes
@@ -88,9 +88,9 @@ class MirrorModes:
 
     def _rows(self, d: Array) -> tuple[Array, Array]:
         """Matrices (channels, modes, rows, nodes): to downward and to upward directions."""
-        x = self.elevations.coordinate(d)
-        below, nodes = self.elevations.below(x), self.elevations.nodes
-        v = np.array([np.hypot(d[0], d[1]), 0 * x, -np.abs(d[2])])
+        v = np.array([np.hypot(d[0], d[1]), 0 * d[0], -np.abs(d[2])])
+        x = coordinate(v[0], -v[2])
+        below, nodes = self.elevations.between(0 * x, x), self.elevations.nodes
         sin = np.concatenate([below.sin, np.broadcast_to(nodes.sin, below.sin.shape)], axis=1)
         cos = np.concatenate([-below.cos, np.broadcast_to(nodes.cos, below.cos.shape)], axis=1)
         q = self._modes(v, sin, cos)

@@ -45,6 +45,17 @@ def angles(x: Array, dx: Array) -> Angles:
     return Angles(x, np.sin(psi), np.cos(psi), np.cos(psi) * slope * dx)
 
 
+def abscissa(psi: Array) -> Array:
+    """x of elevations."""
+    x: Array = (psi / (np.pi / 2)) ** (1 / CROWDING)
+    return x
+
+
+def coordinate(sin: Array, cos: Array) -> Array:
+    """x of directions: exact towards the horizon and towards the normal."""
+    return abscissa(np.arctan2(cos, sin))
+
+
 @dataclass(frozen=True)
 class Elevations:
     """`n` elevations between the horizon and the normal, and interpolation between them."""
@@ -56,33 +67,33 @@ class Elevations:
         """The nodes, shape (n,)."""
         return angles(*gauss(self.n))
 
-    @staticmethod
-    def coordinate(d: Array) -> Array:
-        """x of directions (3, m): exact towards the horizon and towards the normal."""
-        psi = np.arctan2(np.abs(d[2]), np.hypot(d[0], d[1]))
-        x: Array = (psi / (np.pi / 2)) ** (1 / CROWDING)
-        return x
-
-    def below(self, x: Array) -> Angles:
-        """Nodes between the horizon and each x (m,), shape (m, n).
+    def between(self, low: Array, high: Array) -> Angles:
+        """Nodes between two coordinates x (m,) each, shape (m, n).
 
         A mirror never lowers a direction: seen from elevation x, the kernel between downward
         directions is smooth up to x and zero beyond, so that an integral that ends there
         converges as fast as any other, jump or not.
         """
-        return angles(*(x[:, None] * a for a in gauss(self.n)))
+        x, dx = gauss(self.n)
+        width = (high - low)[:, None]
+        return angles(low[:, None] + width * x, width * dx)
 
     def interpolation(self, x: Array) -> Array:
-        """Matrices (..., n) from values at the nodes to values at x (...): the barycentric
-        formula at Gauss-Legendre nodes (Wang & Xiang 2012)."""
-        nodes, weight = gauss(self.n)
-        factor = np.sqrt(nodes * (1 - nodes) * weight)
-        factor[1::2] *= -1
-        distance = x[..., None] - nodes
-        # At a node the formula is 0 / 0; a tiny distance gives its limit, the value there.
-        terms = factor / np.where(distance == 0, np.finfo(float).tiny ** 0.5, distance)
-        matrix: Array = terms / terms.sum(-1, keepdims=True)
-        return matrix
+        """Matrices (..., n) from values at the nodes to values at x (...)."""
+        return interpolation(self.n, x)
+
+
+def interpolation(n: int, x: Array) -> Array:
+    """Matrices (..., n) from values at `n` Gauss nodes on [0, 1] to values at x (...), by the
+    barycentric formula (Wang & Xiang 2012)."""
+    nodes, weight = gauss(n)
+    factor = np.sqrt(nodes * (1 - nodes) * weight)
+    factor[1::2] *= -1
+    distance = x[..., None] - nodes
+    # At a node the formula is 0 / 0; a tiny distance gives its limit, the value there.
+    terms = factor / np.where(distance == 0, np.finfo(float).tiny ** 0.5, distance)
+    matrix: Array = terms / terms.sum(-1, keepdims=True)
+    return matrix
 
 
 def azimuths(modes: int) -> tuple[Array, Array]:
