@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.isotropic import CHUNK
 from msbsdf_cli.methods.solver.nodes import Elevations, azimuths, coordinate, gauss
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
@@ -151,8 +152,8 @@ class DiffuseGrid(QuarterGrid):
     def kernel(self) -> Kernel:
         """Scattering between the nodes."""
         rows = self.rows(self.nodes)
-        behind = self.nodes * np.array([[1], [1], [-1]])
-        turn = self._scatter(-self.nodes, behind) * self.weight * self.weight[:, None]
+        scale = self._balance.behind * self.weight
+        turn = self._albedo(self._behind * scale * scale[:, None])
         return Kernel(self.nodes[2], rows.sigma, self.weight, rows.down, rows.across, turn)
 
     def single(self, d: Array, w: Array) -> Array:
@@ -161,10 +162,34 @@ class DiffuseGrid(QuarterGrid):
 
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
-        seen_from = np.array([-d[0], -d[1], np.abs(d[2])])
-        down = self._scatter(seen_from, self.nodes * np.array([[1], [1], [-1]])) * self.weight
-        across = self._scatter(seen_from, self.nodes)
-        return Rows(seen_from[2], self.slopes.sigma(seen_from), down, across)
+        w = np.array([-d[0], -d[1], np.abs(d[2])])
+        across, down = self._scatter(w, self.nodes), self._scatter(w, self._mirrored)
+        scale = self._balance
+        own = scale.rows(across[0], down[0], self.slopes.sigma(-w))[:, None]
+        across, down = across * own * scale.front, down * own * scale.behind * self.weight
+        return Rows(w[2], self.slopes.sigma(w), self._albedo(down), self._albedo(across))
+
+    @cached_property
+    def _mirrored(self) -> Array:
+        """The nodes' directions (3, n) below the horizon."""
+        return self.nodes * np.array([[1], [1], [-1]])
+
+    @cached_property
+    def _behind(self) -> Array:
+        """q from upward nodes to downward ones."""
+        return self._scatter(-self.nodes, self._mirrored)
+
+    @cached_property
+    def _balance(self) -> Balance:
+        w = self.nodes * np.array([[-1], [-1], [1]])
+        across, down = self._scatter(w, self.nodes)[0], self._scatter(w, self._mirrored)[0]
+        sigma, sigma_up = self.slopes.sigma(-self.nodes), self.slopes.sigma(self.nodes)
+        return balance(across, down, self._behind[0], self.weight, sigma, sigma_up)
+
+    def _albedo(self, q: Array) -> Array:
+        """q for each channel."""
+        channels: Array = np.multiply.outer(np.array(self.material.albedo), q)
+        return channels
 
     @cached_property
     def _facets(self) -> tuple[Array, Array]:
@@ -182,7 +207,8 @@ class DiffuseGrid(QuarterGrid):
         return m, self.slopes.D(m) * area * alpha_x * alpha_y / (np.pi * length**3)
 
     def _scatter(self, before: Array, after: Array) -> Array:
-        """q (channels, blocks, n, n') from where directions (3, n) come from to others (3, n')."""
+        """q (blocks, n, n') for albedo 1, between directions seen from a facet: towards where
+        light comes from (3, n) and where it goes (3, n')."""
         m, weight = self._facets
         q = np.zeros((self.blocks, before.shape[1], after.shape[1]))
         step = max(CHUNK // max(before.shape[1], after.shape[1]), 1)
@@ -190,7 +216,7 @@ class DiffuseGrid(QuarterGrid):
             part = slice(i, i + step)
             a, b = self._seen(before, m[:, part]), self._seen(after, m[:, part])
             q += a * (weight[part] / 4) @ np.swapaxes(b, -1, -2)
-        return np.multiply.outer(np.array(self.material.albedo), q)
+        return q
 
     def _seen(self, w: Array, m: Array) -> Array:
         """Parts (blocks, n, facets) of <w, m> of each parity, summed over mirror images of m."""

@@ -20,6 +20,9 @@ from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Dielectric
 
+AZIMUTHS = 160
+"""Azimuths for the kernel itself, which has edges where reflection becomes total."""
+
 
 @dataclass(frozen=True)
 class Scattered:
@@ -103,8 +106,8 @@ class TwoSides:
     def _rows(self, sin: Array, z: Array, side: int) -> tuple[Array, Array]:
         """The part of the rows that is seen from a few directions."""
         eta = self.eta(side)
-        events = []
-        for event, (low, high) in enumerate(_elevations_after(sin, z, eta)):
+        total = np.zeros((2, self.modes, z.size, 2 * self.elevations.n))
+        for event, low, high in _elevations_after(sin, z, eta):
             hemispheres = []
             for sign in (-1, 1):
                 ends = np.sort(np.maximum([sign * low, sign * high], 0), axis=0)
@@ -112,8 +115,8 @@ class TwoSides:
                 q = self._modes(sin, z, angle, sign, eta, event) * angle.weight[..., None]
                 matrix = self.elevations.interpolation(angle.x)
                 hemispheres.append(np.swapaxes(q, -1, -2) @ matrix)
-            events.append(np.moveaxis(np.concatenate(hemispheres, axis=-1), 1, 0))
-        return self._complete(events[0], events[1], sin, z)
+            total[event] += np.moveaxis(np.concatenate(hemispheres, axis=-1), 1, 0)
+        return self._complete(total[0], total[1], sin, z)
 
     def _complete(
         self, reflected: Array, transmitted: Array, sin: Array, z: Array
@@ -127,7 +130,7 @@ class TwoSides:
 
     @cached_property
     def _azimuths(self) -> tuple[Array, Array]:
-        phi, weight = azimuths(self.modes)
+        phi, weight = azimuths(self.modes, AZIMUTHS)
         return phi, 2 * weight[:, None] * np.cos(np.multiply.outer(phi, np.arange(self.modes)))
 
     def _modes(
@@ -217,12 +220,13 @@ class TwoSides:
         return np.stack([np.sum(f[0, :, :, up:] * chance, axis=(1, 2)) for f in flights.leaving], 1)
 
 
-def _elevations_after(sin: Array, z: Array, eta: float) -> tuple[tuple[Array, Array], ...]:
-    """Lowest and highest elevations (rows,) after a reflection and after a transmission.
+def _elevations_after(sin: Array, z: Array, eta: float) -> list[tuple[int, Array, Array]]:
+    """Ranges of elevations (rows,) after a reflection (event 0) and a transmission (event 1).
 
     Facets face up: a mirror raises directions, and the normal along sign(eta - 1) (d + eta w)
-    bounds what is transmitted from below or from above. What is transmitted also stays within
-    the critical angle's complement of -d.
+    bounds what is transmitted from below or from above; it also stays within the critical
+    angle's complement of -d. Where reflection can be total, it is so within twice that angle of
+    d, and a range ends where this circle does.
     """
     before, zenith = np.arctan2(z, sin), np.full_like(z, np.pi / 2)
     reach = np.arccos(min(eta, 1 / eta))
@@ -230,6 +234,9 @@ def _elevations_after(sin: Array, z: Array, eta: float) -> tuple[tuple[Array, Ar
     bound = np.arcsin(np.clip(-z / eta, -1, 1))
     if eta > 1:
         low = np.maximum(low, bound)
-    else:
-        high = np.minimum(high, bound)
-    return (before, zenith), (np.minimum(low, high), high)
+        return [(0, before, zenith), (1, np.minimum(low, high), high)]
+    high = np.minimum(high, bound)
+    # Beyond the zenith the circle comes down on the other side.
+    top = before + 2 * reach
+    top = np.clip(np.minimum(top, np.pi - top), before, zenith)
+    return [(0, before, top), (0, top, zenith), (1, np.minimum(low, high), high)]

@@ -54,7 +54,7 @@ class HalfSpace:
         grid, table = self._directional
         rows = grid.rows(d)
         start = table.extend(rows)
-        for part in np.array_split(up, -(-up.size // ENDS) or 1):
+        for part in (up[i : i + ENDS] for i in range(0, up.size, ENDS)):
             w = wo[:, part]
             ends, which = grid.distinct(w)
             end_rows = grid.rows(ends)
@@ -84,18 +84,21 @@ class HalfSpace:
 
     def _discretise(self, energy_only: bool) -> Discretisation:
         """As fine as the lobes are narrow: as wide as the roughness in elevation, and narrower
-        still in azimuth towards grazing angles; what a diffuse facet scatters is wide. A grid of
-        directions has to afford less in azimuth than Fourier modes do."""
+        still in azimuth towards grazing angles; what a diffuse facet scatters is wide. On very
+        rough surfaces all is decided near grazing angles. A grid of directions has to afford
+        less in azimuth than Fourier modes do."""
         alpha, wide = sorted((self.slopes.alpha_x, self.slopes.alpha_y))
         diffuse = isinstance(self.material, Diffuse)
         if alpha == wide:
-            elevations = Elevations(round(self.resolution * (22 + 2.4 / alpha)))
+            elevations = Elevations(
+                round(self.resolution * (20 + 2.4 / alpha + 10 * np.sqrt(alpha)))
+            )
             modes = round(self.resolution * (64 if diffuse else 40 + 40 / alpha))
             modes = 1 if energy_only else modes
             if isinstance(self.material, Diffuse):
                 return DiffuseModes(self.slopes, self.material, elevations, modes)
             return MirrorModes(self.slopes, self.material, elevations, modes)
-        elevations = Elevations(round(self.resolution * (16 + 1.2 / alpha)))
+        elevations = Elevations(round(self.resolution * (14 + 1.2 / alpha + 6 * np.sqrt(wide))))
         lobes = 4 + 1.4 * wide / alpha if energy_only or diffuse else 8 + wide / alpha + 1 / alpha
         quarter, blocks = round(self.resolution * lobes), 1 if energy_only else 4
         if isinstance(self.material, Diffuse):

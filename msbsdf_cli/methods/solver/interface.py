@@ -34,7 +34,7 @@ class TwoHalfSpaces:
         d = -wi[:, None]
         for side, sign in ((0, 1), (1, -1)):
             lanes = np.flatnonzero(sign * wo[2] > 0)
-            for part in np.array_split(lanes, -(-lanes.size // ENDS) or 1):
+            for part in (lanes[i : i + ENDS] for i in range(0, lanes.size, ENDS)):
                 # Inside, light is point-reflected.
                 w = sign * wo[:, part]
                 value[0, part] = self._single(d, w, side)
@@ -69,5 +69,5 @@ class TwoHalfSpaces:
     def _discretise(self, modes: int) -> TwoSides:
         """Refraction bends less than reflection does, so that its lobes are narrower."""
         elevations = Elevations(round(self.resolution * (24 + 4 / self.slopes.alpha_x)))
-        heights = Heights(round(self.resolution * 24))
+        heights = Heights(round(self.resolution * 28))
         return TwoSides(self.slopes, self.material, elevations, heights, modes)

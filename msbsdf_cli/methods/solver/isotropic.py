@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate, gauss
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
 from msbsdf_cli.smith.kernel import scatter_density
@@ -130,9 +131,8 @@ class DiffuseModes:
         """Scattering between the nodes."""
         nodes = self.elevations.nodes
         rows = self.rows(upward(nodes))
-        facets = self._facets(np.empty(0))
-        behind = self._seen(-np.arctan2(nodes.cos, nodes.sin), facets[0])
-        turn = self._scatter(behind, behind, facets) * nodes.weight * nodes.weight[:, None]
+        scale = self._balance.behind * nodes.weight
+        turn = self._albedo(self._behind * scale * scale[:, None])
         return Kernel(nodes.cos, rows.sigma, nodes.weight, rows.down, rows.across, turn)
 
     def distinct(self, d: Array) -> tuple[Array, Array]:
@@ -144,26 +144,48 @@ class DiffuseModes:
     def single(self, d: Array, w: Array) -> Array:
         """q (channels, n) from one direction down (3, 1) to others up (3, n), summed over modes."""
         ends, which = distinct_elevations(w)
-        psi = (
-            np.arctan2(d[2], np.hypot(d[0], d[1])),
-            np.arctan2(ends[2], np.hypot(ends[0], ends[1])),
-        )
-        facets = self._facets(np.abs(np.concatenate(psi)))
-        before, after = (self._seen(np.abs(e), facets[0]) for e in psi)
-        modes = self._scatter(before, after, facets)[:, :, 0]
-        value: Array = np.sum(modes[:, :, which] * self.parting(d, w), axis=1)
-        return value
+        psi = [np.arctan2(np.abs(e[2]), np.hypot(e[0], e[1])) for e in (d, ends)]
+        facets = self._facets(np.concatenate(psi))
+        before, after = (self._seen(e, facets[0]) for e in psi)
+        modes = self._scatter(before, after, facets)[:, 0]
+        return self._albedo(np.sum(modes[:, which] * self.parting(d, w), axis=0))
 
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
-        nodes = self.elevations.nodes
         w = np.array([np.hypot(d[0], d[1]), 0 * d[0], np.abs(d[2])])
-        psi, psi_nodes = np.arctan2(w[2], w[0]), np.arctan2(nodes.cos, nodes.sin)
-        facets = self._facets(psi)
+        across, down = self._raw_rows(np.arctan2(w[2], w[0]))
+        nodes, scale = self.elevations.nodes, self._balance
+        own = scale.rows(across[0], down[0], self.slopes.sigma(w * [[1], [1], [-1]]))[:, None]
+        across, down = across * own * scale.front, down * own * scale.behind * nodes.weight
+        return Rows(w[2], self.slopes.sigma(w), self._albedo(down), self._albedo(across))
+
+    def _raw_rows(self, psi: Array) -> tuple[Array, Array]:
+        """Modes of q from elevations psi (rows,) to upward and to downward nodes."""
+        nodes, facets = self.elevations.nodes, self._facets(psi)
+        psi_nodes = np.arctan2(nodes.cos, nodes.sin)
         seen = self._seen(psi, facets[0])
-        across = self._scatter(seen, self._seen(psi_nodes, facets[0]), facets)
-        down = self._scatter(seen, self._seen(-psi_nodes, facets[0]), facets)
-        return Rows(w[2], self.slopes.sigma(w), down * nodes.weight, across)
+        front, behind = (self._seen(s * psi_nodes, facets[0]) for s in (1, -1))
+        return self._scatter(seen, front, facets), self._scatter(seen, behind, facets)
+
+    @cached_property
+    def _behind(self) -> Array:
+        """Modes of q from upward to downward nodes."""
+        nodes, facets = self.elevations.nodes, self._facets(np.empty(0))
+        behind = self._seen(-np.arctan2(nodes.cos, nodes.sin), facets[0])
+        return self._scatter(behind, behind, facets)
+
+    @cached_property
+    def _balance(self) -> Balance:
+        nodes = self.elevations.nodes
+        across, down = self._raw_rows(np.arctan2(nodes.cos, nodes.sin))
+        up = upward(nodes)
+        sigma, sigma_up = self.slopes.sigma(up * [[1], [1], [-1]]), self.slopes.sigma(up)
+        return balance(across[0], down[0], self._behind[0], nodes.weight, sigma, sigma_up)
+
+    def _albedo(self, q: Array) -> Array:
+        """q for each channel."""
+        channels: Array = np.multiply.outer(np.array(self.material.albedo), q)
+        return channels
 
     def _facets(self, psi: Array) -> tuple[Array, Array]:
         """Inclinations theta_m and weights D(m) sin(theta_m) d(theta_m) / pi.
@@ -193,8 +215,8 @@ class DiffuseModes:
         return np.stack(modes)
 
     def _scatter(self, before: Array, after: Array, facets: tuple[Array, Array]) -> Array:
-        """Modes (channels, modes, n, n') of q; light travels opposite to where it is seen from,
+        """Modes (modes, n, n') of q for albedo 1; light travels opposite to where it is seen from,
         and half a turn changes the sign of odd modes."""
         q = before * facets[1] @ np.swapaxes(after, -1, -2)
         q[1::2] *= -1
-        return np.multiply.outer(np.array(self.material.albedo), q)
+        return q

@@ -96,13 +96,13 @@ def interpolation(n: int, x: Array) -> Array:
     return matrix
 
 
-def azimuths(modes: int) -> tuple[Array, Array]:
+def azimuths(modes: int, peak: int = 96) -> tuple[Array, Array]:
     """Azimuths on (0, pi) and weights that integrate cos(m phi), m < modes, against a kernel that
     is peaked at 0 on any scale.
 
     The widest gap, near pi, is 2.4 times the mean one, and Gauss nodes want more than two for
-    each half period; what is added serves the peak.
+    each half period; `peak` nodes are added for the kernel itself.
     """
-    x, weight = gauss(5 * modes // 2 + 96)
+    x, weight = gauss(5 * modes // 2 + peak)
     phi = np.pi * x**AZIMUTH_CROWDING
     return phi, np.pi * AZIMUTH_CROWDING * x ** (AZIMUTH_CROWDING - 1) * weight

@@ -194,6 +194,8 @@ def _settle(kernel: Kernel, step: Callable[[Array], Array], start: Array) -> tup
         R = step(R)
         previous, level = level, R[:, 0] @ flux
         before, growth = growth, np.max(np.abs(level - previous))
+        if not np.isfinite(growth):
+            raise ArithmeticError("energy grows from order to order: `resolution` is too low")
         if growth <= rounding * np.max(np.abs(level)):
             # What is missing falls off like a geometric series.
             return R, float(growth * growth / (before - growth)) if growth < before else growth
