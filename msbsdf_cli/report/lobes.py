@@ -111,10 +111,11 @@ def draw_methods(simulated: Path, modelled: dict[str, Path], directory: Path) ->
     ours = load_lobes(simulated)
     theirs = {name: load_lobes(path) for name, path in modelled.items()}
     for side in range(1 + ours.transmits):
-        figure, axes = panels(len(ours.theta), [2.0] * len(ours.orders), 1.5, (0.45, 0.7))
+        columns = {name: slice(i, i + 1) for i, name in enumerate(ours.orders)}
+        columns["all"] = slice(None)
+        figure, axes = panels(len(ours.theta), [2.0] * len(columns), 1.5, (0.45, 0.7))
         for row, theta in enumerate(ours.theta):
-            for i, order in enumerate(ours.orders):
-                axis = axes[row, i]
+            for axis, (order, i) in zip(axes[row], columns.items(), strict=True):
                 for k, lobes in enumerate(theirs.values()):
                     angle, values, _ = _plane(lobes, row, i, side)
                     axis.plot(angle, values, color=order_colour(k), lw=0.9)
@@ -158,14 +159,15 @@ def draw_slice(
     """Density in the plane of incidence, order by order: points with error bars where a model's
     lines go with them."""
     for i in range(len(lobes.orders)) if only is None else (only,):
-        angle, density, stderr = _plane(lobes, row, i, side)
+        order = slice(i, i + 1)
+        angle, density, stderr = _plane(lobes, row, order, side)
         label, colour = lobes.orders[i], order_colour(i)
         if model is None:
             axis.plot(angle, density, color=colour, label=f"order {label}")
             axis.fill_between(angle, density - stderr, density + stderr, color=colour, alpha=0.25)
         else:
             axis.errorbar(angle, density, stderr, fmt="o", ms=1.8, lw=0.7, color=colour)
-            axis.plot(angle, _plane(model, row, i, side)[1], color=colour, lw=0.9)
+            axis.plot(angle, _plane(model, row, order, side)[1], color=colour, lw=0.9)
     _plane_axis(axis)
 
 
@@ -176,11 +178,13 @@ def _plane_axis(axis: Any) -> None:
     axis.set_xlabel("theta_o in the plane of incidence, degrees", labelpad=1)
 
 
-def _plane(lobes: Lobes, row: int, order: int, side: int) -> tuple[Array, Array, Array]:
-    """Angles in degrees, densities and standard errors in the plane of incidence."""
+def _plane(lobes: Lobes, row: int, orders: slice, side: int) -> tuple[Array, Array, Array]:
+    """Angles in degrees, densities and standard errors in the plane of incidence, of the sum over
+    some orders."""
     polar, azimuth, _ = lobe_axes()
     backward, forward = (_window(polar, azimuth, lobes.phi + turn) for turn in (0, np.pi))
-    values, errors = lobes.density[row, order, side], lobes.stderr[row, order, side]
+    values = lobes.density[row, orders, side].sum(axis=0)
+    errors = np.sqrt((lobes.stderr[row, orders, side] ** 2).sum(axis=0))
     halves = [(values * window).sum(axis=1) for window in (backward, forward)]
     squares = [((errors * window) ** 2).sum(axis=1) for window in (backward, forward)]
     return (

@@ -13,8 +13,8 @@ has z > 0. Arrays of directions are (3, ...), and broadcast against each other.
 import numpy as np
 from scipy.special import betaln
 
+from msbsdf_cli.smith.lune import lambertian_density
 from msbsdf_cli.smith.slopes import Slopes
-from msbsdf_cli.smith.visible_slopes import visible_slopes
 from surfaces.facet import Array, dot, fresnel_dielectric
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
@@ -82,6 +82,15 @@ def refraction_density(
     return np.where(faces, (1 - fresnel) * jacobian * _density_of_normals(slopes, h, length), 0)
 
 
+def dielectric_density(slopes: Slopes, eta: float, d: Array, w: Array) -> tuple[Array, Array]:
+    """q (n,) off and through an interface of index `eta` behind over before; `w` (3, n) after
+    transmission is point-reflected. Reversed, q_t(d -> w) = eta^2 q_t'(-w -> -d), where the dash
+    is for the other side."""
+    interface = Dielectric(eta)
+    reflected, _ = reflection_density(slopes, interface, d, w)
+    return reflected, refraction_density(slopes, interface, d, w)
+
+
 def diffuse_density(slopes: Slopes, d: Array, w: Array) -> Array:
     """q of diffuse facets of albedo 1, (n,), by quadrature over the slopes that face both ways."""
     n = max(d.shape[1], w.shape[1])
@@ -89,9 +98,7 @@ def diffuse_density(slopes: Slopes, d: Array, w: Array) -> Array:
     density = np.empty(n, w.dtype)
     for start in range(0, n, QUADRATURE_BLOCK):
         block = slice(start, start + QUADRATURE_BLOCK)
-        m, weight = visible_slopes(slopes, d[:, block], w[:, block])
-        cos_o = np.maximum(dot(w[:, None, block], m), 0)
-        density[block] = (weight * cos_o).sum(axis=0) / np.pi
+        density[block] = lambertian_density(slopes, d[:, block], w[:, block])
     return density
 
 

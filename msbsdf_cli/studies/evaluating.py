@@ -20,11 +20,13 @@ the sum over orders, whose terms come from the same walks."""
 
 @dataclass(frozen=True)
 class EvaluationJob:
-    """One part of a method's samples for one incident angle."""
+    """One part of a method's samples for one incident angle, or, of a method without noise, all
+    angles, since they share its set-up."""
 
     scene: Scene
     method: str
-    theta_index: int
+    angles: tuple[int, ...]
+    """Places of the incident angles in the scene."""
     part: int
     samples: int
     seed: int
@@ -66,15 +68,16 @@ def evaluate(
     Raises `NotForThis` where a method does not hold for the scene.
     """
     jobs = [
-        EvaluationJob(scene, name, i, part, size, seed, precision, wo)
+        EvaluationJob(scene, name, angles, part, size, seed, precision, wo)
         for name in methods
-        for i in range(len(scene.theta))
+        for angles in _shared_angles(len(scene.theta), METHODS[name].deterministic)
         for part, size in enumerate(_parts(samples, METHODS[name].deterministic))
     ]
     parts: dict[tuple[int, str], list[Part]] = {}
     with Progress("evaluate", len(jobs), "parts", quiet) as progress:
-        for job, part in zip(jobs, in_order(run_job, jobs, threads), strict=True):
-            parts.setdefault((job.theta_index, job.method), []).append(part)
+        for job, results in zip(jobs, in_order(run_job, jobs, threads), strict=True):
+            for i, part in zip(job.angles, results, strict=True):
+                parts.setdefault((i, job.method), []).append(part)
             progress.advance(1)
     return [
         _merge(name, theta, parts[i, name], wo, solid_angle)
@@ -98,17 +101,24 @@ def _parts(samples: int, deterministic: bool) -> list[int]:
     return [samples // count + (i < samples % count) for i in range(count)]
 
 
-def run_job(job: EvaluationJob) -> Part:
-    """Evaluate one part; the time of the first includes the method's set-up."""
-    started = time.perf_counter()
+def _shared_angles(count: int, deterministic: bool) -> list[tuple[int, ...]]:
+    return [tuple(range(count))] if deterministic else [(i,) for i in range(count)]
+
+
+def run_job(job: EvaluationJob) -> list[Part]:
+    """Evaluate one part for its angles; the time of the first includes the method's set-up."""
     scene = job.scene
-    method = _method(job.method, scene)
-    place = [job.seed, list(METHODS).index(job.method), job.theta_index, job.part]
-    rng = np.random.Generator(np.random.SFC64(place))
     dtype = np.dtype(job.precision).type
-    wi = scene.wi(scene.theta[job.theta_index], dtype)
-    evaluation = method.evaluate(wi, job.wo.astype(dtype), job.samples, rng)
-    return Part(job.samples, evaluation, time.perf_counter() - started)
+    wo = job.wo.astype(dtype)
+    parts = []
+    for i in job.angles:
+        started = time.perf_counter()
+        method = _method(job.method, scene)
+        place = [job.seed, list(METHODS).index(job.method), i, job.part]
+        rng = np.random.Generator(np.random.SFC64(place))
+        evaluation = method.evaluate(scene.wi(scene.theta[i], dtype), wo, job.samples, rng)
+        parts.append(Part(job.samples, evaluation, time.perf_counter() - started))
+    return parts
 
 
 @lru_cache(maxsize=2)

@@ -1,0 +1,1 @@
+"""The deterministic solution of the Smith model: nodes, discrete kernels, sums over orders."""

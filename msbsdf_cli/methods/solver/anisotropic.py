@@ -1,0 +1,225 @@
+"""Scattering kernels of surfaces with two roughnesses: a grid of directions, folded by symmetry.
+
+The statistics are unchanged by x -> -x and by y -> -y, so that functions even or odd in x and in
+y do not mix: four blocks on a quarter of the directions. With signs s_g over the four mirrors g,
+the part of f(v, w) in a block is 1/4 of the sum over g of s_g f(v, g w), and an integral over
+intermediate directions is a product for each block.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from msbsdf_cli.methods.solver.balance import Balance, balance
+from msbsdf_cli.methods.solver.isotropic import CHUNK
+from msbsdf_cli.methods.solver.nodes import Elevations, azimuths, coordinate, gauss
+from msbsdf_cli.methods.solver.orders import Kernel, Rows
+from msbsdf_cli.smith.kernel import scatter_density
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array, dot
+from surfaces.materials import Conductor, Diffuse
+
+MIRRORS = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]])
+"""Signs of x and y: the four mirrors, and by their products with each other the four parities."""
+
+FACETS = 4
+"""Facets for each node of the directions, along either angle."""
+
+
+def parities(blocks: int) -> Array:
+    """Signs (blocks, 4) of functions of each parity under each mirror."""
+    signs = np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, 1, -1, -1], [1, -1, -1, 1]])
+    return signs[:blocks]
+
+
+@dataclass(frozen=True)
+class QuarterGrid:
+    """Nodes of a quarter of the hemisphere: all elevations at each of `quarter` azimuths.
+
+    Azimuths are spaced evenly and none is on an axis. One block is enough for energies.
+    """
+
+    slopes: Slopes
+    elevations: Elevations
+    quarter: int
+    blocks: int
+
+    @cached_property
+    def azimuths(self) -> Array:
+        """Azimuths (quarter,) in the first quadrant."""
+        return (np.arange(self.quarter) + 0.5) * np.pi / (2 * self.quarter)
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Upward directions (3, n), n = elevations x quarter."""
+        angle = self.elevations.nodes
+        x = np.multiply.outer(angle.sin, np.cos(self.azimuths)).ravel()
+        y = np.multiply.outer(angle.sin, np.sin(self.azimuths)).ravel()
+        return np.stack([x, y, np.repeat(angle.cos, self.quarter)])
+
+    @cached_property
+    def weight(self) -> Array:
+        """Solid angles (n,) of the nodes and their mirror images."""
+        return np.repeat(self.elevations.nodes.weight, self.quarter) * 2 * np.pi / self.quarter
+
+    def distinct(self, d: Array) -> tuple[Array, Array]:
+        return d, np.arange(d.shape[1])
+
+    def parting(self, a: Array, b: Array) -> Array:
+        return np.ones((self.blocks, 1))
+
+
+@dataclass(frozen=True)
+class MirrorGrid(QuarterGrid):
+    """Facets that reflect: light goes down, then up."""
+
+    material: Conductor
+
+    def kernel(self) -> Kernel:
+        """Scattering between the nodes."""
+        rows = self.rows(self.nodes)
+        # Projected on the grid's waves in the azimuth after the facet only: restore reciprocity.
+        across = (rows.across + np.swapaxes(rows.across, -1, -2)) / 2
+        return Kernel(self.nodes[2], rows.sigma, self.weight, rows.down, across, None)
+
+    def single(self, d: Array, w: Array) -> Array:
+        """q (channels, n) between pairs of directions."""
+        return scatter_density(self.slopes, self.material, np.broadcast_to(d, w.shape), w)
+
+    def rows(self, d: Array) -> Rows:
+        """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
+        parts = [self._row(d[:, i]) for i in range(d.shape[1])]
+        down, across = (np.stack(part, axis=2) for part in zip(*parts, strict=True))
+        up = np.array([d[0], d[1], np.abs(d[2])])
+        return Rows(up[2], self.slopes.sigma(up), down, across)
+
+    @cached_property
+    def _offsets(self) -> tuple[Array, Array]:
+        """Azimuths (p,) relative to the direction before the facet, and weights."""
+        phi, weight = azimuths(2 * self.quarter)
+        return np.concatenate([phi, -phi]), np.concatenate([weight, weight])
+
+    def _row(self, d: Array) -> tuple[Array, Array]:
+        """Scattering (channels, blocks, n) from a direction (3,): down (weighted) and up."""
+        x = coordinate(np.hypot(d[0], d[1]), np.abs(d[2]))[None]
+        angle, nodes = self.elevations.between(0 * x, x), self.elevations.nodes
+        phi, weight = self._offsets
+        phi = phi + np.arctan2(d[1], d[0])
+        sin, cos = (
+            np.concatenate([angle.sin[0], nodes.sin]),
+            np.concatenate([-angle.cos[0], nodes.cos]),
+        )
+        w = np.empty((3, sin.size, phi.size))
+        w[0], w[1] = np.multiply.outer(sin, np.cos(phi)), np.multiply.outer(sin, np.sin(phi))
+        w[2] = cos[:, None]
+        v = np.array([d[0], d[1], -np.abs(d[2])])[:, None]
+        q = scatter_density(self.slopes, self.material, v, w.reshape(3, -1))
+        # (channels, elevations, blocks, quarter)
+        q = np.tensordot(
+            q.reshape(-1, sin.size, phi.size), self._fold(phi) * weight[:, None, None], 1
+        )
+        down, across = q[:, : self.elevations.n], q[:, self.elevations.n :]
+        interpolation = self.elevations.interpolation(angle.x[0]) * angle.weight[0][:, None]
+        down = np.einsum("ckbj,ki->cbij", down, interpolation, optimize=True)
+        across = np.moveaxis(across, 1, 2) / (2 * np.pi / self.quarter)
+        shape = (*down.shape[:2], -1)
+        return down.reshape(shape), across.reshape(shape)
+
+    def _fold(self, phi: Array) -> Array:
+        """Factors (p, blocks, quarter) from a function of each parity at the nodes' azimuths to
+        azimuths (p,): the trigonometric interpolant of 4 quarter points."""
+        n = 4 * self.quarter
+        half = self.azimuths
+        images = np.stack([half, np.pi - half, -half, np.pi + half])
+        x = (phi[:, None, None] - images) / 2
+        sine = np.sin(x)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wave = np.where(sine == 0, 1, np.sin(n * x) * np.cos(x) / (n * sine))
+        return np.einsum("bg,pgj->pbj", parities(self.blocks), wave)
+
+
+@dataclass(frozen=True)
+class DiffuseGrid(QuarterGrid):
+    """Lambertian facets: light may turn down again.
+
+    q is a sum over facets of a product, so that parities of <-d, m> and of <w, m> in the facet's
+    azimuth multiply. Facets are spaced evenly after the stretch that makes the roughness 1.
+    """
+
+    material: Diffuse
+
+    def kernel(self) -> Kernel:
+        """Scattering between the nodes."""
+        rows = self.rows(self.nodes)
+        scale = self._balance.behind * self.weight
+        turn = self._albedo(self._behind * scale * scale[:, None])
+        return Kernel(self.nodes[2], rows.sigma, self.weight, rows.down, rows.across, turn)
+
+    def single(self, d: Array, w: Array) -> Array:
+        """q (channels, n) between pairs of directions."""
+        return scatter_density(self.slopes, self.material, np.broadcast_to(d, w.shape), w)
+
+    def rows(self, d: Array) -> Rows:
+        """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
+        w = np.array([-d[0], -d[1], np.abs(d[2])])
+        across, down = self._scatter(w, self.nodes), self._scatter(w, self._mirrored)
+        scale = self._balance
+        own = scale.rows(across[0], down[0], self.slopes.sigma(-w))[:, None]
+        across, down = across * own * scale.front, down * own * scale.behind * self.weight
+        return Rows(w[2], self.slopes.sigma(w), self._albedo(down), self._albedo(across))
+
+    @cached_property
+    def _mirrored(self) -> Array:
+        """The nodes' directions (3, n) below the horizon."""
+        return self.nodes * np.array([[1], [1], [-1]])
+
+    @cached_property
+    def _behind(self) -> Array:
+        """q from upward nodes to downward ones."""
+        return self._scatter(-self.nodes, self._mirrored)
+
+    @cached_property
+    def _balance(self) -> Balance:
+        w = self.nodes * np.array([[-1], [-1], [1]])
+        across, down = self._scatter(w, self.nodes)[0], self._scatter(w, self._mirrored)[0]
+        sigma, sigma_up = self.slopes.sigma(-self.nodes), self.slopes.sigma(self.nodes)
+        return balance(across, down, self._behind[0], self.weight, sigma, sigma_up)
+
+    def _albedo(self, q: Array) -> Array:
+        """q for each channel."""
+        channels: Array = np.multiply.outer(np.array(self.material.albedo), q)
+        return channels
+
+    @cached_property
+    def _facets(self) -> tuple[Array, Array]:
+        """Normals (3, n) of a quarter of the facets, and weights D(m) dm / pi."""
+        n = FACETS * self.quarter
+        u, du = gauss(FACETS * self.elevations.n)
+        theta = np.repeat(np.pi / 2 * u, n)
+        phi = np.tile((np.arange(n) + 0.5) * np.pi / (2 * n), u.size)
+        area = np.repeat(np.pi / 2 * du, n) * np.sin(theta) * np.pi / (2 * n)
+        alpha_x, alpha_y = self.slopes.alpha_x, self.slopes.alpha_y
+        x, y = alpha_x * np.sin(theta) * np.cos(phi), alpha_y * np.sin(theta) * np.sin(phi)
+        m = np.stack([x, y, np.cos(theta)])
+        length = np.sqrt(dot(m, m))
+        m /= length
+        return m, self.slopes.D(m) * area * alpha_x * alpha_y / (np.pi * length**3)
+
+    def _scatter(self, before: Array, after: Array) -> Array:
+        """q (blocks, n, n') for albedo 1, between directions seen from a facet: towards where
+        light comes from (3, n) and where it goes (3, n')."""
+        m, weight = self._facets
+        q = np.zeros((self.blocks, before.shape[1], after.shape[1]))
+        step = max(CHUNK // max(before.shape[1], after.shape[1]), 1)
+        for i in range(0, weight.size, step):
+            part = slice(i, i + step)
+            a, b = self._seen(before, m[:, part]), self._seen(after, m[:, part])
+            q += a * (weight[part] / 4) @ np.swapaxes(b, -1, -2)
+        return q
+
+    def _seen(self, w: Array, m: Array) -> Array:
+        """Parts (blocks, n, facets) of <w, m> of each parity, summed over mirror images of m."""
+        x, y, z = (np.multiply.outer(w[i], m[i]) for i in range(3))
+        images = np.stack([np.maximum(sx * x + sy * y + z, 0) for sx, sy in MIRRORS])
+        return np.tensordot(parities(self.blocks), images, 1)

@@ -1,0 +1,106 @@
+"""Surfaces that do not transmit: light stays in one half space, and heights need no grid."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from msbsdf_cli.methods.solver.anisotropic import DiffuseGrid, MirrorGrid
+from msbsdf_cli.methods.solver.isotropic import DiffuseModes, MirrorModes
+from msbsdf_cli.methods.solver.nodes import Elevations
+from msbsdf_cli.methods.solver.orders import Kernel, Rows, Table, energy, path_weight, tabulate
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.materials import Conductor, Diffuse
+
+ENDS = 128
+"""Outgoing directions followed together."""
+
+
+class Discretisation(Protocol):
+    """Directions as nodes and blocks, and the scattering kernel between them."""
+
+    def kernel(self) -> Kernel:
+        """Scattering between the nodes."""
+
+    def rows(self, d: Array) -> Rows:
+        """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
+
+    def distinct(self, d: Array) -> tuple[Array, Array]:
+        """Directions (3, m) for which to make rows, and which of them serves each of `d`."""
+
+    def parting(self, a: Array, b: Array) -> Array:
+        """Factors (blocks, n) that sum blocks to values from `a` (3, 1) to `b` (3, n)."""
+
+    def single(self, d: Array, w: Array) -> Array:
+        """q (channels, n) from `d` (3, 1), downward, to `w` (3, n), upward."""
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """All orders of a conductor or of diffuse facets, at one resolution."""
+
+    slopes: Slopes
+    material: Conductor | Diffuse
+    orders: int
+    resolution: float
+
+    def evaluate(self, wi: Array, wo: Array) -> tuple[Array, float]:
+        """BSDF x cos(theta_o), (channels, orders + 1, n), and the energy not accounted for."""
+        value = np.zeros((self.material.channels, self.orders + 1, wo.shape[1]))
+        up = np.flatnonzero(wo[2] > 0)
+        d = -wi[:, None]
+        grid, table = self._directional
+        rows = grid.rows(d)
+        start = table.extend(rows)
+        for part in (up[i : i + ENDS] for i in range(0, up.size, ENDS)):
+            w = wo[:, part]
+            ends, which = grid.distinct(w)
+            end_rows = grid.rows(ends)
+            later = table.connect(rows, start, end_rows, table.extend(end_rows))
+            value[:, 1:, part] = np.moveaxis(
+                np.sum(later[..., which] * grid.parting(d, w), axis=2), 0, 1
+            )
+            divisor = path_weight(rows.cos, rows.sigma, w[2], self.slopes.sigma(w))
+            value[:, 0, part] = grid.single(d, w) / divisor
+        return value * np.maximum(wo[2], 0), start.unresolved
+
+    def energy(self, wi: Array) -> Array:
+        """Energy (channels, sides, orders + 1) that leaves in each order for `wi` (3,)."""
+        grid, table = self._energetic
+        reflected = energy(table.kernel, table.extend(grid.rows(wi[:, None])))[..., 0]
+        return np.stack([reflected, np.zeros_like(reflected)], axis=1)
+
+    @cached_property
+    def _directional(self) -> tuple[Discretisation, Table]:
+        grid = self._discretise(energy_only=False)
+        return grid, tabulate(grid.kernel(), self.orders)
+
+    @cached_property
+    def _energetic(self) -> tuple[Discretisation, Table]:
+        grid = self._discretise(energy_only=True)
+        return grid, tabulate(grid.kernel(), self.orders)
+
+    def _discretise(self, energy_only: bool) -> Discretisation:
+        """As fine as the lobes are narrow: as wide as the roughness in elevation, and narrower
+        still in azimuth towards grazing angles; what a diffuse facet scatters is wide. On very
+        rough surfaces all is decided near grazing angles. A grid of directions has to afford
+        less in azimuth than Fourier modes do."""
+        alpha, wide = sorted((self.slopes.alpha_x, self.slopes.alpha_y))
+        diffuse = isinstance(self.material, Diffuse)
+        if alpha == wide:
+            elevations = Elevations(
+                round(self.resolution * (20 + 2.4 / alpha + 10 * np.sqrt(alpha)))
+            )
+            modes = round(self.resolution * (64 if diffuse else 40 + 40 / alpha))
+            modes = 1 if energy_only else modes
+            if isinstance(self.material, Diffuse):
+                return DiffuseModes(self.slopes, self.material, elevations, modes)
+            return MirrorModes(self.slopes, self.material, elevations, modes)
+        elevations = Elevations(round(self.resolution * (14 + 1.2 / alpha + 6 * np.sqrt(wide))))
+        lobes = 4 + 1.4 * wide / alpha if energy_only or diffuse else 8 + wide / alpha + 1 / alpha
+        quarter, blocks = round(self.resolution * lobes), 1 if energy_only else 4
+        if isinstance(self.material, Diffuse):
+            return DiffuseGrid(self.slopes, elevations, quarter, blocks, self.material)
+        return MirrorGrid(self.slopes, elevations, quarter, blocks, self.material)

@@ -1,0 +1,108 @@
+"""Quadrature for one hemisphere: elevations, azimuths and how to interpolate between them.
+
+Elevations psi are measured from the mean plane, not from its normal, so that no digit is lost at
+grazing angles; a direction of travel and its image in the mean plane share one.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from surfaces.facet import Array
+
+CROWDING = 2
+"""Elevations are psi = pi/2 x^2 with x a Gauss-Legendre node: what scatters between grazing
+directions depends on the ratio of their elevations, so that the nodes must crowd there."""
+
+AZIMUTH_CROWDING = 3
+"""Azimuths are phi = pi x^3: the kernel peaks at phi = 0 with a width as small as the difference
+of the elevations, and every scale of that is resolved alike."""
+
+
+@dataclass(frozen=True)
+class Angles:
+    """Elevations of any shape with the weights of an integral over them."""
+
+    x: Array
+    cos: Array
+    """|cos theta| = sin psi."""
+    sin: Array
+    weight: Array
+    """sin(theta) d(theta): times an azimuth, a solid angle."""
+
+
+def gauss(n: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights on [0, 1]."""
+    x, weight = np.polynomial.legendre.leggauss(n)
+    return (x + 1) / 2, weight / 2
+
+
+def angles(x: Array, dx: Array) -> Angles:
+    """Elevations psi = pi/2 x^CROWDING."""
+    psi = np.pi / 2 * x**CROWDING
+    slope = np.pi / 2 * CROWDING * x ** (CROWDING - 1)
+    return Angles(x, np.sin(psi), np.cos(psi), np.cos(psi) * slope * dx)
+
+
+def abscissa(psi: Array) -> Array:
+    """x of elevations."""
+    x: Array = (psi / (np.pi / 2)) ** (1 / CROWDING)
+    return x
+
+
+def coordinate(sin: Array, cos: Array) -> Array:
+    """x of directions: exact towards the horizon and towards the normal."""
+    return abscissa(np.arctan2(cos, sin))
+
+
+@dataclass(frozen=True)
+class Elevations:
+    """`n` elevations between the horizon and the normal, and interpolation between them."""
+
+    n: int
+
+    @cached_property
+    def nodes(self) -> Angles:
+        """The nodes, shape (n,)."""
+        return angles(*gauss(self.n))
+
+    def between(self, low: Array, high: Array) -> Angles:
+        """Nodes between two coordinates x (m,) each, shape (m, n).
+
+        A mirror never lowers a direction: seen from elevation x, the kernel between downward
+        directions is smooth up to x and zero beyond, so that an integral that ends there
+        converges as fast as any other, jump or not.
+        """
+        x, dx = gauss(self.n)
+        width = (high - low)[:, None]
+        return angles(low[:, None] + width * x, width * dx)
+
+    def interpolation(self, x: Array) -> Array:
+        """Matrices (..., n) from values at the nodes to values at x (...)."""
+        return interpolation(self.n, x)
+
+
+def interpolation(n: int, x: Array) -> Array:
+    """Matrices (..., n) from values at `n` Gauss nodes on [0, 1] to values at x (...), by the
+    barycentric formula (Wang & Xiang 2012)."""
+    nodes, weight = gauss(n)
+    factor = np.sqrt(nodes * (1 - nodes) * weight)
+    factor[1::2] *= -1
+    distance = x[..., None] - nodes
+    # At a node the formula is 0 / 0; a tiny distance gives its limit, the value there.
+    terms = factor / np.where(distance == 0, np.finfo(float).tiny ** 0.5, distance)
+    matrix: Array = terms / terms.sum(-1, keepdims=True)
+    return matrix
+
+
+def azimuths(modes: int, peak: int = 96) -> tuple[Array, Array]:
+    """Azimuths on (0, pi) and weights that integrate cos(m phi), m < modes, against a kernel that
+    is peaked at 0 on any scale.
+
+    The widest gap, near pi, is 2.4 times the mean one, and Gauss nodes want more than two for
+    each half period; `peak` nodes are added for the kernel itself.
+    """
+    x, weight = gauss(5 * modes // 2 + peak)
+    phi = np.pi * x**AZIMUTH_CROWDING
+    return phi, np.pi * AZIMUTH_CROWDING * x ** (AZIMUTH_CROWDING - 1) * weight

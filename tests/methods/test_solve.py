@@ -1,0 +1,196 @@
+"""The deterministic solution: closed forms, conservation, reciprocity, and the random walk."""
+
+import numpy as np
+import pytest
+
+from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.smith.slopes import SLOPES
+from msbsdf_cli.smith.walk import random_walk
+from surfaces.materials import Conductor, Dielectric, Diffuse
+
+METAL = Conductor(((0.2, 3.9), (1.5, 1.9)))
+MATERIALS = [Conductor(), METAL, Diffuse((0.8, 1.0)), Dielectric(1.5)]
+
+
+def direction(theta, phi=0.0):
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+
+
+def sphere(n_z, n_phi):
+    """Nodes (3, n) and solid angles of both hemispheres, crowded at the horizon."""
+    x, weight = np.polynomial.legendre.leggauss(n_z)
+    psi, weight = np.pi / 2 * ((x + 1) / 2) ** 2, np.pi / 2 * (x + 1) / 2 * weight
+    phi = np.arange(n_phi) * 2 * np.pi / n_phi
+    w = np.stack(
+        [
+            np.outer(np.cos(psi), np.cos(phi)),
+            np.outer(np.cos(psi), np.sin(phi)),
+            np.outer(np.sin(psi), np.ones(n_phi)),
+        ]
+    ).reshape(3, -1)
+    area = np.repeat(np.cos(psi) * weight, n_phi) * 2 * np.pi / n_phi
+    return np.concatenate([w, w * [[1], [1], [-1]]], axis=1), np.tile(area, 2)
+
+
+def walked(slopes, material, wi, n, orders):
+    """Sums over walks of 1, x, y^2 and z, for each order and for all the later ones, on either
+    side, in the first channel, and their standard errors: (moments, sides, orders + 1)."""
+    total, square = np.zeros((2, 4, 2, orders + 1))
+    for light in random_walk(slopes, material, wi, n, np.random.default_rng(7), 300):
+        weight = np.ones(light.w.shape[1]) if light.weight is None else light.weight[0]
+        values = weight * np.stack([1 + 0 * weight, light.w[0], light.w[1] ** 2, light.w[2]])
+        for side, lanes in enumerate((light.w[2] > 0, light.w[2] < 0)):
+            k = min(light.order, orders + 1) - 1
+            total[:, side, k] += values[:, lanes].sum(1)
+            square[:, side, k] += (values[:, lanes] ** 2).sum(1)
+    mean = total / n
+    # A bin without a single walk is not known better than to one walk.
+    return mean, np.sqrt(np.maximum(square / n - mean**2, 1 / n) / n)
+
+
+def both_sides(energy):
+    return np.stack([energy.reflected, energy.transmitted], axis=1)
+
+
+def test_single_scattering_of_ggx_at_normal_incidence_has_a_closed_form():
+    energy = Solve(SLOPES["ggx"](1.0, 1.0), Conductor(), 3).energy(direction(0))
+    # Converges exponentially: what is left is rounding.
+    assert energy.reflected[0, 0] == pytest.approx(1 - np.log(2), abs=1e-11)
+
+
+@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
+@pytest.mark.parametrize("alpha", [(5.0, 5.0), (1.0, 1.0), (0.2, 0.2), (0.05, 0.05), (0.6, 0.3)])
+@pytest.mark.parametrize("material", [Conductor(), Diffuse(), Dielectric(1.5), Dielectric(0.7)])
+def test_no_energy_is_lost_over_all_orders(slopes, alpha, material):
+    if material.transmits and (alpha[0] != alpha[1] or alpha[0] < 0.2):
+        pytest.skip("no dielectrics of two roughnesses; narrow ones take seconds")
+    solve = Solve(SLOPES[slopes](*alpha), material, 2)
+    for theta in (0, 0.7, 1.5, 1.57):
+        energy = both_sides(solve.energy(direction(theta, 0.4)))
+        # Nothing is normalised afterwards: this is the error of the quadrature.
+        assert abs(energy.sum() - 1) < (1e-4 if alpha == (5, 5) else 1e-5)
+
+
+@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
+@pytest.mark.parametrize("material", [Conductor(), Diffuse(), Dielectric()])
+def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
+    surface = SLOPES[slopes](0.5, 0.5)
+    solve, reference = Solve(surface, material, 3), Solve(surface, material, 3, resolution=1.5)
+    for theta in (0.3, 1.2, 1.5):
+        wi = direction(theta)
+        energy, finer = solve.energy(wi), reference.fine.energy(wi)
+        error = np.abs(both_sides(energy) - finer).max()
+        # 1e-6 is promised for half spaces, 1e-4 for interfaces; the estimate is no smaller than
+        # a third of the error, unless both are rounding.
+        assert error < (1e-4 if material.transmits else 1e-6)
+        assert error < 3 * energy.error.max() + 1e-12
+
+
+@pytest.mark.parametrize("material", MATERIALS, ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    ("slopes", "alpha", "theta"),
+    [("beckmann", (1, 1), 0.8), ("ggx", (0.5, 0.5), 1.3), ("ggx", (0.4, 0.8), 1.0)],
+)
+def test_energies_of_the_random_walk(material, slopes, alpha, theta):
+    if material.transmits and alpha[0] != alpha[1]:
+        pytest.skip("no dielectrics of two roughnesses")
+    surface, wi = SLOPES[slopes](*alpha), direction(theta, 0.7)
+    mean, stderr = walked(surface, material, wi, 200_000, 3)
+    energy = both_sides(Solve(surface, material, 3).energy(wi))[0]
+    # Eight numbers each: 4.5 standard errors are passed once in 1e4 runs of all of them.
+    assert np.all(np.abs(mean[0] - energy) < 4.5 * stderr[0])
+
+
+@pytest.mark.parametrize("material", [METAL, Diffuse((0.8,)), Dielectric()], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    ("slopes", "alpha", "theta"),
+    [("beckmann", (1, 1), 0.8), ("ggx", (0.5, 0.5), 1.2), ("beckmann", (0.4, 0.8), 1.0)],
+)
+def test_directions_of_the_random_walk(material, slopes, alpha, theta):
+    if material.transmits and alpha[0] != alpha[1]:
+        pytest.skip("no dielectrics of two roughnesses")
+    surface, wi = SLOPES[slopes](*alpha), direction(theta, 0.7)
+    mean, stderr = walked(surface, material, wi, 200_000, 2)
+    wo, area = sphere(20, 40)
+    value = Solve(surface, material, 2).fine.evaluate(wi, wo)[0][0]
+    for side, lanes in enumerate((wo[2] > 0, wo[2] < 0)):
+        moments = np.stack([1 + 0 * area, wo[0], wo[1] ** 2, wo[2]])[:, lanes] * area[lanes]
+        solved = moments @ value[:, lanes].T
+        # Order 1 has edges for the product quadrature to stumble on; the others are smooth.
+        np.testing.assert_array_less(
+            np.abs(solved - mean[:, side])[:, 1:], 4.5 * stderr[:, side, 1:] + 1e-4
+        )
+
+
+@pytest.mark.parametrize("material", [METAL, Diffuse((0.8, 1.0))], ids=lambda m: m.name)
+@pytest.mark.parametrize("alpha", [(0.5, 0.5), (0.5, 0.3)])
+def test_reciprocity(material, alpha):
+    solve = Solve(SLOPES["ggx"](*alpha), material, 3).fine
+    a, b = direction(0.4, 0.3), direction(1.3, 2.0)
+    forth = solve.evaluate(a, b[:, None])[0] / b[2]
+    back = solve.evaluate(b, a[:, None])[0] / a[2]
+    # Exact by construction, but for the grid's and the facets' quadrature.
+    np.testing.assert_allclose(forth, back, rtol=1e-9 if material is METAL else 1e-5)
+
+
+def test_reciprocity_of_an_interface():
+    solve = Solve(SLOPES["beckmann"](0.7, 0.7), Dielectric(1.5), 2).fine
+    a, b = direction(0.4, 0.3), direction(1.2, 2.0)
+    forth = solve.evaluate(a, b[:, None])[0] / b[2]
+    back = solve.evaluate(b, a[:, None])[0] / a[2]
+    # The two ends are discretised differently: this is the error of the solution.
+    np.testing.assert_allclose(forth, back, rtol=2e-3)
+
+
+@pytest.mark.parametrize("material", [Conductor(), Diffuse(), Dielectric()], ids=lambda m: m.name)
+def test_the_last_row_is_the_sum_of_all_later_orders(material):
+    surface, wi = SLOPES["ggx"](0.7, 0.7), direction(0.9)
+    wo = np.stack([direction(1.0, 2.0), direction(2.5, 0.3)], axis=1)
+    few, many = (Solve(surface, material, n) for n in (1, 7))
+    # The same sums in another order.
+    expected = many.fine.evaluate(wi, wo)[0]
+    value = few.fine.evaluate(wi, wo)[0]
+    np.testing.assert_allclose(value[:, 1], expected[:, 1:].sum(1), rtol=1e-9, atol=1e-15)
+    energies = both_sides(few.energy(wi)), both_sides(many.energy(wi))
+    np.testing.assert_allclose(energies[0][..., 1], energies[1][..., 1:].sum(-1), rtol=1e-9)
+
+
+@pytest.mark.parametrize("material", [METAL, Diffuse()], ids=lambda m: m.name)
+def test_grid_and_fourier_modes_agree(material):
+    wi, wo = direction(1.0, 0.3), np.stack([direction(0.5, 2.0), direction(1.3, -1)], axis=1)
+    modes = Solve(SLOPES["ggx"](0.7, 0.7), material, 3)
+    grid = Solve(SLOPES["ggx"](0.7, 0.7 * (1 + 1e-12)), material, 3)
+    np.testing.assert_allclose(grid.energy(wi).reflected, modes.energy(wi).reflected, atol=2e-5)
+    value, expected = (s.fine.evaluate(wi, wo)[0] for s in (grid, modes))
+    # The grid's azimuths and facets are the coarser ones.
+    np.testing.assert_allclose(value, expected, rtol=1e-3)
+
+
+@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
+def test_grazing_to_grazing(slopes):
+    surface = SLOPES[slopes](0.5, 0.5)
+    wi = direction(1.57, np.pi)
+    wo = np.stack([direction(1.57), direction(1.57, 0.5), direction(1.57, 3.1)], axis=1)
+    result = Solve(surface, Conductor(), 2).evaluate(wi, wo)
+    value = Solve(surface, Conductor(), 2, resolution=2).fine.evaluate(wi, wo)[0]
+    assert np.all(result.stderr[:, 0] == 0)
+    # The lobe is narrower than any mode there, but next to nothing is scattered twice.
+    np.testing.assert_allclose(result.value.sum(1), value.sum(1), atol=1e-5 * value.max())
+
+
+def test_reflection_only_leaves_nothing_below():
+    wi, wo = direction(0.5), direction(2.0)[:, None]
+    assert np.all(Solve(SLOPES["ggx"](0.5, 0.5), Conductor(), 2).evaluate(wi, wo).value == 0)
+
+
+def test_precision_of_the_result_is_that_of_the_direction():
+    wi, wo = direction(0.5).astype(np.float32), direction(1.0)[:, None].astype(np.float32)
+    result = Solve(SLOPES["beckmann"](0.5, 0.5), Conductor(), 2).evaluate(wi, wo)
+    assert result.value.dtype == result.stderr.dtype == np.float32
+    assert result.unresolved < 1e-15
+
+
+def test_what_cannot_be_solved_is_said():
+    with pytest.raises(NotForThis, match="one roughness"):
+        Solve(SLOPES["ggx"](0.5, 0.3), Dielectric(), 2)
