@@ -65,7 +65,7 @@ def test_single_scattering_of_ggx_at_normal_incidence_has_a_closed_form():
         *((Conductor(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
         *((Diffuse(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
         *((m, (0.6, 0.3)) for m in (Conductor(), Diffuse())),
-        *((Dielectric(ior), (0.6, 0.6)) for ior in (1.5, 0.7)),
+        *((Dielectric(ior), (1.0, 1.0)) for ior in (1.5, 0.7)),
     ],
 )
 def test_no_energy_is_lost_over_all_orders(slopes, material, alpha):
@@ -79,10 +79,10 @@ def test_no_energy_is_lost_over_all_orders(slopes, material, alpha):
 
 @pytest.mark.parametrize(
     ("material", "slopes"),
-    [(Conductor(), "beckmann"), (Diffuse(), "ggx"), (METAL, "ggx"), (Dielectric(), "ggx")],
+    [(Conductor(), "beckmann"), (METAL, "ggx"), (Diffuse(), "ggx"), (Dielectric(), "ggx")],
 )
 def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
-    surface = SLOPES[slopes](0.5, 0.5)
+    surface = SLOPES[slopes](1.0, 1.0)
     solve, reference = (Solve(surface, material, 3, r) for r in (1, 1.5))
     for theta in (0.3, 1.5):
         wi = direction(theta)
@@ -103,12 +103,12 @@ def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
         (Diffuse((0.8, 1.0)), "ggx", (1.0, 1.0), 1.3),
         (Diffuse((0.8, 1.0)), "beckmann", (0.4, 0.8), 1.0),
         (Dielectric(1.5), "beckmann", (1.0, 1.0), 0.8),
-        (Dielectric(1.5), "ggx", (0.5, 0.5), 1.3),
+        (Dielectric(1.5), "ggx", (0.8, 0.8), 1.3),
     ],
 )
 def test_energies_of_the_random_walk(material, slopes, alpha, theta):
     surface, wi = SLOPES[slopes](*alpha), direction(theta, 0.7)
-    mean, stderr = walked(surface, material, wi, 200_000, 3)
+    mean, stderr = walked(surface, material, wi, 100_000, 3)
     energy = both_sides(Solve(surface, material, 3).energy(wi))[0]
     # Eight numbers each: 4.5 standard errors are passed once in 1e4 runs of all of them.
     assert np.all(np.abs(mean[0] - energy) < 4.5 * stderr[0])
@@ -127,8 +127,8 @@ def test_energies_of_the_random_walk(material, slopes, alpha, theta):
 )
 def test_directions_of_the_random_walk(material, slopes, alpha, theta):
     surface, wi = SLOPES[slopes](*alpha), direction(theta, 0.7)
-    mean, stderr = walked(surface, material, wi, 200_000, 2)
-    wo, area = sphere(16, 28)
+    mean, stderr = walked(surface, material, wi, 100_000, 2)
+    wo, area = sphere(14, 24)
     value = Solve(surface, material, 2, resolution=0.8).fine.evaluate(wi, wo)[0][0]
     for side, lanes in enumerate((wo[2] > 0, wo[2] < 0)):
         moments = np.stack([1 + 0 * area, wo[0], wo[1] ** 2, wo[2]])[:, lanes] * area[lanes]
@@ -142,7 +142,7 @@ def test_directions_of_the_random_walk(material, slopes, alpha, theta):
 @pytest.mark.parametrize("material", [METAL, Diffuse((0.8, 1.0))], ids=lambda m: m.name)
 @pytest.mark.parametrize("alpha", [(0.5, 0.5), (0.5, 0.3)])
 def test_reciprocity(material, alpha):
-    solve = Solve(SLOPES["ggx"](*alpha), material, 3).fine
+    solve = Solve(SLOPES["ggx"](*alpha), material, 3, resolution=0.7).fine
     a, b = direction(0.4, 0.3), direction(1.3, 2.0)
     forth = solve.evaluate(a, b[:, None])[0] / b[2]
     back = solve.evaluate(b, a[:, None])[0] / a[2]
