@@ -8,10 +8,8 @@ import multiprocessing
 import signal
 import sys
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
 import click
@@ -19,43 +17,95 @@ import click
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
+AHEAD = 4
+"""Jobs of each process that may be done before their turn comes; it bounds what waits."""
+
 
 def in_order(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) -> Iterator[Result]:
     """Yield work(job) for every job, in the order of the jobs, so that a sum over the results does
     not depend on `threads`. No more than a few results wait at any time.
 
-    Raises RuntimeError when a worker process is killed.
+    Raises RuntimeError when a process is killed, and what `work` raises. However it ends, no
+    process is left: they are plain processes on pipes, since an executor's threads can hang in
+    the middle of an interrupt.
     """
     if threads == 1:
         yield from map(work, jobs)
         return
     # A fork starts at once; elsewhere than on Linux system libraries do not survive it.
-    method = "fork" if sys.platform == "linux" else "spawn"
-    pool = ProcessPoolExecutor(threads, multiprocessing.get_context(method), _ignore_interrupt)
+    context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
+    crew: dict[Connection, Any] = {}
     try:
-        waiting: deque[Future[Result]] = deque()
-        for job in jobs:
-            waiting.append(pool.submit(work, job))
-            if len(waiting) > 3 * threads:
-                yield waiting.popleft().result()
-        while waiting:
-            yield waiting.popleft().result()
-    except BrokenProcessPool:
-        raise RuntimeError(
-            "a worker process was killed, most likely for want of memory; "
-            "fewer --threads, --cells or a smaller --extent need less."
-        ) from None
-    except BaseException:
-        for process in list(pool._processes.values()):
-            process.terminate()
-        raise
+        for _ in range(threads):
+            ours, theirs = context.Pipe()
+            # A copy of a parent's end would keep a process waiting for a parent that is gone.
+            crew[ours] = None
+            args = work, theirs, tuple(crew)
+            crew[ours] = context.Process(target=_serve, args=args, daemon=True)
+            crew[ours].start()
+            theirs.close()
+        yield from _results(crew, iter(enumerate(jobs)))
     finally:
-        pool.shutdown(cancel_futures=True)
+        for pipe, process in crew.items():
+            pipe.close()
+            if process is not None and process.pid is not None:
+                process.kill()
+                process.join()
 
 
-def _ignore_interrupt() -> None:
-    """Ctrl-C is for the parent, which then ends its workers."""
+def _results(crew: dict[Connection, Any], jobs: Iterator[tuple[int, Any]]) -> Iterator[Any]:
+    """Hand out jobs to whoever is free, and yield the results in order."""
+    turn, given, done = 0, 0, {}
+    idle, busy = list(crew), set[Connection]()
+    exhausted = False
+    while True:
+        while idle and not exhausted and given < turn + AHEAD * len(crew):
+            try:
+                job = next(jobs)
+            except StopIteration:
+                exhausted = True
+                break
+            pipe = idle.pop()
+            pipe.send(job)
+            busy.add(pipe)
+            given += 1
+        while turn in done:
+            yield done.pop(turn)
+            turn += 1
+        if not busy:
+            if exhausted:
+                return
+            continue
+        for pipe in wait(busy):
+            assert isinstance(pipe, Connection)
+            try:
+                number, result = pipe.recv()
+            except EOFError:
+                raise RuntimeError(
+                    "a process was killed, most likely for want of memory; "
+                    "fewer --threads, --cells or a smaller --extent need less."
+                ) from None
+            if isinstance(result, BaseException):
+                raise result
+            done[number] = result
+            busy.discard(pipe)
+            idle.append(pipe)
+
+
+def _serve(work: Callable[[Any], Any], pipe: Connection, others: tuple[Connection, ...]) -> None:
+    """Do jobs until killed. Ctrl-C is for the parent, which then ends its processes."""
+    for other in others:
+        other.close()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        try:
+            number, job = pipe.recv()
+        except EOFError:
+            return
+        try:
+            pipe.send((number, work(job)))
+        except Exception as error:
+            pipe.send((number, error))
 
 
 class Progress:

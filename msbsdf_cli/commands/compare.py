@@ -1,5 +1,6 @@
 """`msbsdf compare`"""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -106,7 +107,9 @@ def take_runs(runs: tuple[str, ...], options: dict[str, Any]) -> dict[str, Path]
                     f"--{option.replace('_', '-')} beside a report: the scene is that of {name}."
                 )
             value = run["options"].get(option)
-            options[option] = tuple(value) if isinstance(value, list) else value
+            if isinstance(value, list):
+                value = tuple(math.inf if x == "inf" else x for x in value)
+            options[option] = value
     return handed
 
 

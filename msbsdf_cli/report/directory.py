@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 import shutil
 import tempfile
@@ -52,7 +53,7 @@ def new_report(out: Path) -> Iterator[Path]:
         draft.chmod(0o755)
         written = sorted(str(p.relative_to(draft)) for p in draft.rglob("*") if p.is_file())
         run = json.loads((draft / RUN).read_text())
-        (draft / RUN).write_text(json.dumps(run | {"files": written}, indent=1) + "\n")
+        write_json(draft / RUN, run | {"files": written})
         if out.is_dir():
             _replace(out, draft)
         else:
@@ -109,7 +110,20 @@ def read_csv(path: Path, numbers: Sequence[str]) -> dict[str, list[Any]]:
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write a JSON object."""
-    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    path.write_text(json_text(content, indent=1) + "\n", encoding="utf-8")
+
+
+def json_text(content: dict[str, Any], indent: int | None = None) -> str:
+    """JSON, which has no word for what is not finite: `inf` and `nan` become strings."""
+    return json.dumps(_finite(content), indent=indent, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(v) for v in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def read_run(directory: Path) -> dict[str, Any]:

@@ -1,7 +1,5 @@
 """Turning a run's outcome into a report and a summary."""
 
-import json
-import math
 import platform
 import time
 from collections.abc import Callable
@@ -13,7 +11,7 @@ from typing import Any
 import click
 
 from msbsdf_cli import __version__
-from msbsdf_cli.report.directory import RUN, write_csv, write_json
+from msbsdf_cli.report.directory import RUN, json_text, write_csv, write_json
 from msbsdf_cli.report.terminal import measured, show_table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.outcome import Outcome
@@ -133,13 +131,5 @@ def show_end(out: Path, record: dict[str, Any], unit: str) -> None:
 
 
 def show_json(record: dict[str, Any]) -> None:
-    """Print the summary as one JSON object; what is not finite becomes null."""
-    click.echo(json.dumps(_finite(record), allow_nan=False))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {k: _finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(v) for v in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    """Print the summary as one JSON object."""
+    click.echo(json_text(record))

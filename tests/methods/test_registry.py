@@ -11,10 +11,11 @@ from surfaces.materials import Conductor, Dielectric, Diffuse
 
 RNG = np.random.default_rng
 MATERIALS = [Conductor(((0.2, 3.9), (1.5, 2.0))), Diffuse((0.9, 0.3, 0.5)), Dielectric(1.5)]
+SAMPLED = [name for name in METHODS if name != "solve"]
 REFUSED = {("exact", "dielectric"), ("energy-compensated", "diffuse")}
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", SAMPLED)
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda m: m.name)
 def test_samples_follow_the_values(name, material):
     if (name, material.name) in REFUSED:
@@ -40,7 +41,14 @@ def test_samples_follow_the_values(name, material):
         assert (np.abs(sampled.mean(axis=1) - summed.mean(axis=0)) < 4 * stderr + 0.01).all()
 
 
-@pytest.mark.parametrize("name", METHODS)
+def test_solve_offers_no_samples():
+    method = METHODS["solve"](Beckmann(1, 1), Conductor(), 1)
+    for ask in (lambda: method.sample(direction(0.5), 3, RNG(0)), lambda: method.pdf(None, None)):
+        with pytest.raises(NotForThis, match="solve"):
+            ask()
+
+
+@pytest.mark.parametrize("name", SAMPLED)
 def test_densities_are_densities(name):
     w, solid_angle = hemisphere(48)
     for slopes in (Beckmann(0.6, 0.6), Ggx(1, 0.5)):

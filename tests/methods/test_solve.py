@@ -10,7 +10,6 @@ from msbsdf_cli.smith.walk import random_walk
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
 METAL = Conductor(((0.2, 3.9), (1.5, 1.9)))
-MATERIALS = [Conductor(), METAL, Diffuse((0.8, 1.0)), Dielectric(1.5)]
 
 
 def direction(theta, phi=0.0):
@@ -60,24 +59,32 @@ def test_single_scattering_of_ggx_at_normal_incidence_has_a_closed_form():
 
 
 @pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
-@pytest.mark.parametrize("alpha", [(5.0, 5.0), (1.0, 1.0), (0.2, 0.2), (0.05, 0.05), (0.6, 0.3)])
-@pytest.mark.parametrize("material", [Conductor(), Diffuse(), Dielectric(1.5), Dielectric(0.7)])
-def test_no_energy_is_lost_over_all_orders(slopes, alpha, material):
-    if material.transmits and (alpha[0] != alpha[1] or alpha[0] < 0.2):
-        pytest.skip("no dielectrics of two roughnesses; narrow ones take seconds")
+@pytest.mark.parametrize(
+    ("material", "alpha"),
+    [
+        *((Conductor(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
+        *((Diffuse(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
+        *((m, (0.6, 0.3)) for m in (Conductor(), Diffuse())),
+        *((Dielectric(ior), (1.0, 1.0)) for ior in (1.5, 0.7)),
+    ],
+)
+def test_no_energy_is_lost_over_all_orders(slopes, material, alpha):
     solve = Solve(SLOPES[slopes](*alpha), material, 2)
     for theta in (0, 0.7, 1.5, 1.57):
         energy = both_sides(solve.energy(direction(theta, 0.4)))
-        # Nothing is normalised afterwards: this is the error of the quadrature.
-        assert abs(energy.sum() - 1) < (1e-4 if alpha == (5, 5) else 1e-5)
+        # Nothing normalises a mirror's kernel: its sum shows the error of the quadrature, worst
+        # where lobes are narrow or the surface is very rough.
+        assert abs(energy.sum() - 1) < (1e-5 if isinstance(material, Conductor) else 1e-11)
 
 
-@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
-@pytest.mark.parametrize("material", [Conductor(), Diffuse(), Dielectric()])
+@pytest.mark.parametrize(
+    ("material", "slopes"),
+    [(Conductor(), "beckmann"), (METAL, "ggx"), (Diffuse(), "ggx"), (Dielectric(), "ggx")],
+)
 def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
-    surface = SLOPES[slopes](0.5, 0.5)
-    solve, reference = Solve(surface, material, 3), Solve(surface, material, 3, resolution=1.5)
-    for theta in (0.3, 1.2, 1.5):
+    surface = SLOPES[slopes](1.0, 1.0)
+    solve, reference = (Solve(surface, material, 3, r) for r in (1, 1.5))
+    for theta in (0.3, 1.5):
         wi = direction(theta)
         energy, finer = solve.energy(wi), reference.fine.energy(wi)
         error = np.abs(both_sides(energy) - finer).max()
@@ -87,33 +94,42 @@ def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
         assert error < 3 * energy.error.max() + 1e-12
 
 
-@pytest.mark.parametrize("material", MATERIALS, ids=lambda m: m.name)
 @pytest.mark.parametrize(
-    ("slopes", "alpha", "theta"),
-    [("beckmann", (1, 1), 0.8), ("ggx", (0.5, 0.5), 1.3), ("ggx", (0.4, 0.8), 1.0)],
+    ("material", "slopes", "alpha", "theta"),
+    [
+        (Conductor(), "beckmann", (1.0, 1.0), 0.8),
+        (METAL, "ggx", (0.5, 0.5), 1.3),
+        (METAL, "ggx", (0.4, 0.8), 1.0),
+        (Diffuse((0.8, 1.0)), "ggx", (1.0, 1.0), 1.3),
+        (Diffuse((0.8, 1.0)), "beckmann", (0.4, 0.8), 1.0),
+        (Dielectric(1.5), "beckmann", (1.0, 1.0), 0.8),
+        (Dielectric(1.5), "ggx", (0.8, 0.8), 1.3),
+    ],
 )
 def test_energies_of_the_random_walk(material, slopes, alpha, theta):
-    if material.transmits and alpha[0] != alpha[1]:
-        pytest.skip("no dielectrics of two roughnesses")
     surface, wi = SLOPES[slopes](*alpha), direction(theta, 0.7)
-    mean, stderr = walked(surface, material, wi, 200_000, 3)
+    mean, stderr = walked(surface, material, wi, 100_000, 3)
     energy = both_sides(Solve(surface, material, 3).energy(wi))[0]
     # Eight numbers each: 4.5 standard errors are passed once in 1e4 runs of all of them.
     assert np.all(np.abs(mean[0] - energy) < 4.5 * stderr[0])
 
 
-@pytest.mark.parametrize("material", [METAL, Diffuse((0.8,)), Dielectric()], ids=lambda m: m.name)
 @pytest.mark.parametrize(
-    ("slopes", "alpha", "theta"),
-    [("beckmann", (1, 1), 0.8), ("ggx", (0.5, 0.5), 1.2), ("beckmann", (0.4, 0.8), 1.0)],
+    ("material", "slopes", "alpha", "theta"),
+    [
+        (METAL, "beckmann", (1.0, 1.0), 0.8),
+        (METAL, "ggx", (0.4, 0.8), 1.0),
+        (Diffuse((0.8,)), "ggx", (0.5, 0.5), 1.2),
+        (Diffuse((0.8,)), "beckmann", (0.4, 0.8), 1.0),
+        (Dielectric(1.5), "beckmann", (1.0, 1.0), 0.8),
+        (Dielectric(0.7), "ggx", (1.0, 1.0), 1.2),
+    ],
 )
 def test_directions_of_the_random_walk(material, slopes, alpha, theta):
-    if material.transmits and alpha[0] != alpha[1]:
-        pytest.skip("no dielectrics of two roughnesses")
     surface, wi = SLOPES[slopes](*alpha), direction(theta, 0.7)
-    mean, stderr = walked(surface, material, wi, 200_000, 2)
-    wo, area = sphere(20, 40)
-    value = Solve(surface, material, 2).fine.evaluate(wi, wo)[0][0]
+    mean, stderr = walked(surface, material, wi, 100_000, 2)
+    wo, area = sphere(14, 24)
+    value = Solve(surface, material, 2, resolution=0.8).fine.evaluate(wi, wo)[0][0]
     for side, lanes in enumerate((wo[2] > 0, wo[2] < 0)):
         moments = np.stack([1 + 0 * area, wo[0], wo[1] ** 2, wo[2]])[:, lanes] * area[lanes]
         solved = moments @ value[:, lanes].T
@@ -126,7 +142,7 @@ def test_directions_of_the_random_walk(material, slopes, alpha, theta):
 @pytest.mark.parametrize("material", [METAL, Diffuse((0.8, 1.0))], ids=lambda m: m.name)
 @pytest.mark.parametrize("alpha", [(0.5, 0.5), (0.5, 0.3)])
 def test_reciprocity(material, alpha):
-    solve = Solve(SLOPES["ggx"](*alpha), material, 3).fine
+    solve = Solve(SLOPES["ggx"](*alpha), material, 3, resolution=0.7).fine
     a, b = direction(0.4, 0.3), direction(1.3, 2.0)
     forth = solve.evaluate(a, b[:, None])[0] / b[2]
     back = solve.evaluate(b, a[:, None])[0] / a[2]
@@ -135,7 +151,7 @@ def test_reciprocity(material, alpha):
 
 
 def test_reciprocity_of_an_interface():
-    solve = Solve(SLOPES["beckmann"](0.7, 0.7), Dielectric(1.5), 2).fine
+    solve = Solve(SLOPES["beckmann"](1.0, 1.0), Dielectric(1.5), 2).fine
     a, b = direction(0.4, 0.3), direction(1.2, 2.0)
     forth = solve.evaluate(a, b[:, None])[0] / b[2]
     back = solve.evaluate(b, a[:, None])[0] / a[2]
@@ -145,10 +161,10 @@ def test_reciprocity_of_an_interface():
 
 @pytest.mark.parametrize("material", [Conductor(), Diffuse(), Dielectric()], ids=lambda m: m.name)
 def test_the_last_row_is_the_sum_of_all_later_orders(material):
-    surface, wi = SLOPES["ggx"](0.7, 0.7), direction(0.9)
+    surface, wi = SLOPES["ggx"](1.0, 1.0), direction(0.9)
     wo = np.stack([direction(1.0, 2.0), direction(2.5, 0.3)], axis=1)
-    few, many = (Solve(surface, material, n) for n in (1, 7))
-    # The same sums in another order.
+    few, many = (Solve(surface, material, n, resolution=0.6) for n in (1, 7))
+    # The same sums in another order, at any resolution.
     expected = many.fine.evaluate(wi, wo)[0]
     value = few.fine.evaluate(wi, wo)[0]
     np.testing.assert_allclose(value[:, 1], expected[:, 1:].sum(1), rtol=1e-9, atol=1e-15)

@@ -113,8 +113,9 @@ class MirrorGrid(QuarterGrid):
         w = np.empty((3, sin.size, phi.size))
         w[0], w[1] = np.multiply.outer(sin, np.cos(phi)), np.multiply.outer(sin, np.sin(phi))
         w[2] = cos[:, None]
-        v = np.array([d[0], d[1], -np.abs(d[2])])[:, None]
-        q = scatter_density(self.slopes, self.material, v, w.reshape(3, -1))
+        w = w.reshape(3, -1)
+        v = np.broadcast_to(np.array([[d[0]], [d[1]], [-np.abs(d[2])]]), w.shape)
+        q = scatter_density(self.slopes, self.material, v, w)
         # (channels, elevations, blocks, quarter)
         q = np.tensordot(
             q.reshape(-1, sin.size, phi.size), self._fold(phi) * weight[:, None, None], 1

@@ -1,6 +1,6 @@
 """A discrete kernel that scatters exactly what arrives.
 
-The integral of q(d -> w) over all w is sigma(d), whatever facets do with the light they keep. As
+The integral of q(d -> w) over all w is sigma(d), but for albedo ([HHdD16] Eq. 40). As
 discrete-ordinates codes do, the kernel is scaled until its quadrature says the same; otherwise a
 coarse grid on a rough surface gains energy at each order. The scale belongs to a direction and
 stands on both sides of the kernel, so that reciprocity is kept.

@@ -85,10 +85,11 @@ class TwoSides:
         """Distribution after a facet met from each node's direction, on either side."""
         nodes = self.elevations.nodes
         sin, z = np.tile(nodes.sin, 2), np.concatenate([-nodes.cos, nodes.cos])
-        # Where no facet is seen, none is met.
-        scale = np.divide(1, self.sigma, out=np.zeros_like(z), where=self.sigma > 0)[:, None]
         rows = (self.rows(sin, z, side) for side in (0, 1))
-        first, second = (Scattered(r.reflected * scale, r.transmitted * scale) for r in rows)
+        first, second = (
+            Scattered(*(_share(e, self.sigma[:, None]) for e in (r.reflected, r.transmitted)))
+            for r in rows
+        )
         return first, second
 
     def eta(self, side: int) -> float:
@@ -168,6 +169,9 @@ class TwoSides:
         rounding = np.finfo(float).eps
         while True:
             rest = rest + last
+            # Interpolation makes ripples of either sign, but not more light than has come in.
+            if not np.abs(last[0]).sum() < 2:
+                raise ArithmeticError("energy grows from order to order: `resolution` is too low")
             if np.abs(last[0].sum()) <= rounding * np.abs(rest[0].sum()):
                 return Flights([*leaving, rest], float(np.abs(last[0].sum())))
             last = self._collide(self.fly(last))
@@ -194,8 +198,10 @@ class TwoSides:
         """
         n = self.elevations.n
         back = self.rows(sin, -cos, side)
-        scale = np.divide(1, self.sigma * self.weight, out=0 * self.sigma, where=self.sigma > 0)
-        same, other = (np.roll(r, n, axis=-1) * scale for r in (back.reflected, back.transmitted))
+        seen = self.sigma * self.weight
+        same, other = (
+            _share(np.roll(r, n, axis=-1), seen) for r in (back.reflected, back.transmitted)
+        )
         other = other * self.eta(1 - side) ** 2
         Lambda = self.slopes.sigma(np.array([sin, 0 * sin, cos])) / cos
         chance = self.heights.escape(Lambda)
@@ -218,6 +224,12 @@ class TwoSides:
         up = self.elevations.n
         chance = self.heights.escape(self.extinction[up:]).T
         return np.stack([np.sum(f[0, :, :, up:] * chance, axis=(1, 2)) for f in flights.leaving], 1)
+
+
+def _share(q: Array, sigma: Array) -> Array:
+    """q / sigma; where no facet is seen, none is met."""
+    share: Array = np.divide(q, sigma, out=np.zeros_like(q), where=sigma > 0)
+    return share
 
 
 def _elevations_after(sin: Array, z: Array, eta: float) -> list[tuple[int, Array, Array]]:

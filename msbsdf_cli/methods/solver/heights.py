@@ -1,6 +1,6 @@
 """Free paths between heights, on Gauss nodes from the bottom of the microsurface to its top.
 
-Heights are written as C1, the share of the surface that lies lower ([HHdD16] Eq. 23), or as
+Heights are written as C1, the share of the surface that lies lower ([HHdD16] Section 3.1), or as
 t = -ln C1, in which a free path is exponential. Seen from the other side C1 is 1 - C1, and the
 nodes are symmetric, so that the change of sides reverses their order.
 """
@@ -35,7 +35,7 @@ class Heights:
         return t
 
     def escape(self, Lambda: Array) -> Array:
-        """Probability (..., n) of leaving from each height in upward directions."""
+        """Chance (..., n) of leaving from each height in upward directions ([HHdD16] Eq. 1)."""
         chance: Array = np.exp(-np.multiply.outer(Lambda, self.t))
         return chance
 

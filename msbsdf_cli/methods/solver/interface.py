@@ -45,7 +45,7 @@ class TwoHalfSpaces:
 
     def _single(self, d: Array, w: Array, side: int) -> Array:
         """Order 1, in closed form: the same heights for both directions, or those of one turned
-        over, which makes a beta function ([HHdD16] Section 4.1)."""
+        over, which makes a beta function ([HHdD16] Eqs. 7 and 8)."""
         before = np.broadcast_to(d, w.shape)
         q = dielectric_density(self.slopes, self.material.ior, before, w)[side]
         sigma, Lambda = self.slopes.sigma(d), self.slopes.sigma(w) / w[2]
@@ -68,6 +68,7 @@ class TwoHalfSpaces:
 
     def _discretise(self, modes: int) -> TwoSides:
         """Refraction bends less than reflection does, so that its lobes are narrower."""
-        elevations = Elevations(round(self.resolution * (24 + 4 / self.slopes.alpha_x)))
+        alpha = self.slopes.alpha_x
+        elevations = Elevations(round(self.resolution * (16 + 4 / alpha + 10 * np.sqrt(alpha))))
         heights = Heights(round(self.resolution * 28))
         return TwoSides(self.slopes, self.material, elevations, heights, modes)

@@ -68,7 +68,7 @@ class Elevations:
         return angles(*gauss(self.n))
 
     def between(self, low: Array, high: Array) -> Angles:
-        """Nodes between two coordinates x (m,) each, shape (m, n).
+        """Nodes between `low` and `high` (m,) in x, shape (m, n).
 
         A mirror never lowers a direction: seen from elevation x, the kernel between downward
         directions is smooth up to x and zero beyond, so that an integral that ends there

@@ -7,8 +7,8 @@ two opposite directions, and products that integrate over intermediate direction
     F_n (sigma'_v c_o + sigma'_o c_v + c_v c_o) = [n = 1] q_du + c_o q_dd F_(n-1) + c_v F_(n-1) q_uu
                                                  + c_v c_o sum over a + b = n - 1 of F_a q_ud F_b
 
-(invariant embedding: a thin layer is added on top, where c / sigma' is a mean free path of
-[HHdD16] Eq. 15). By reciprocity q_uu is q_dd transposed and F is symmetric in v and -o, so both
+(invariant embedding: a thin layer is added on top, where c / sigma' is a mean free path by
+[HHdD16] Eq. 24). By reciprocity q_uu is q_dd transposed and F is symmetric in v and -o, so both
 are labelled by the same nodes. Arrays are (channels, blocks, rows, nodes); blocks do not mix.
 """
 
@@ -51,7 +51,7 @@ class Rows:
 
 
 def path_weight(cos_v: Array, sigma_v: Array, cos_o: Array, sigma_o: Array) -> Array:
-    """What F is divided by: c_v c_o (1 + Lambda_v + Lambda_o)."""
+    """What F is divided by: c_v c_o (1 + Lambda_v + Lambda_o) ([HHdD16] Eq. 7)."""
     return sigma_v * cos_o + sigma_o * cos_v + cos_v * cos_o
 
 
@@ -194,7 +194,8 @@ def _settle(kernel: Kernel, step: Callable[[Array], Array], start: Array) -> tup
         R = step(R)
         previous, level = level, R[:, 0] @ flux
         before, growth = growth, np.max(np.abs(level - previous))
-        if not np.isfinite(growth):
+        # Nothing but a grid that is too coarse makes more light than has come in.
+        if not np.max(np.abs(level)) < 2:
             raise ArithmeticError("energy grows from order to order: `resolution` is too low")
         if growth <= rounding * np.max(np.abs(level)):
             # What is missing falls off like a geometric series.
