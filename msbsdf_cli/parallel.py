@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from multiprocessing.connection import Connection, wait
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import click
 
@@ -55,7 +55,8 @@ def in_order(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) -
 
 def _results(crew: dict[Connection, Any], jobs: Iterator[tuple[int, Any]]) -> Iterator[Any]:
     """Hand out jobs to whoever is free, and yield the results in order."""
-    turn, given, done = 0, 0, {}
+    turn, given = 0, 0
+    done: dict[int, Any] = {}
     idle, busy = list(crew), set[Connection]()
     exhausted = False
     while True:
@@ -76,8 +77,8 @@ def _results(crew: dict[Connection, Any], jobs: Iterator[tuple[int, Any]]) -> It
             if exhausted:
                 return
             continue
-        for pipe in wait(busy):
-            assert isinstance(pipe, Connection)
+        for ready in wait(busy):
+            pipe = cast(Connection, ready)
             try:
                 number, result = pipe.recv()
             except EOFError:
