@@ -45,6 +45,11 @@ class Holds:
     deterministic = False
     """Whether values have no noise, so that samples make no difference."""
 
+    def albedo(self, wi: Array) -> tuple[Array, Array] | None:
+        """Energy that leaves in all and its error, (channels,) each, for `wi` (3,); None where the
+        method knows it no better than by adding up its values."""
+        return None
+
     @classmethod
     def refuse(cls, slopes: Slopes, material: Material) -> None:
         """Raise `NotForThis` for what the method cannot do."""

@@ -52,6 +52,10 @@ class Method(Protocol):
         in the precision of `wi`.
         """
 
+    def albedo(self, wi: Array) -> tuple[Array, Array] | None:
+        """Energy that leaves in all and its error, (channels,) each, for `wi` (3,); None where the
+        method knows it no better than by adding up its values."""
+
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Draw outgoing directions (3, n) and their weights (channels, n): BSDF x cos / density."""
 

@@ -83,6 +83,11 @@ class Solve(Holds):
         error = np.abs(fine - coarse).sum(axis=1)
         return Energy(fine[:, 0], fine[:, 1], error)
 
+    def albedo(self, wi: Array) -> tuple[Array, Array]:
+        """Energy of all orders and both sides, and its error estimate."""
+        energy = self.energy(wi)
+        return (energy.reflected + energy.transmitted).sum(axis=1), energy.error.sum(axis=1)
+
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Not offered."""
         raise NotForThis("solve evaluates a BSDF without samples, and has no sampler of its own")
