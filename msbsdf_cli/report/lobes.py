@@ -144,7 +144,10 @@ def _draw_orders(ours: Lobes, theirs: Lobes, row: int, path: Path) -> None:
             energies = [(density * solid_angle).sum() for density in pair]
             noise = np.hypot(ours.stderr[row, i, side], theirs.stderr[row, i, side])
             _map_trio(line[1:], *pair, noise, side, *energies)
-    figure.suptitle(f"Incident at theta = {ours.theta[row]:.4g} rad", fontsize=9, x=0.02, ha="left")
+    y = 1 - 0.15 / figure.get_figheight()
+    figure.suptitle(
+        f"Incident at theta = {ours.theta[row]:.4g} rad", fontsize=9, x=0.02, y=y, ha="left"
+    )
     save(figure, path)
 
 
