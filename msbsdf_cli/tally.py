@@ -166,6 +166,24 @@ def lobe_axes() -> tuple[Array, Array, Array]:
     return (edges[1:] + edges[:-1]) / 2, 2 * np.pi / PHI_BINS * np.arange(PHI_BINS), solid_angle
 
 
+MERGED = 3
+"""Bins of a lobe, along each axis, that are put together where noise would drown a difference."""
+
+
+def merge_bins(values: Array) -> Array:
+    """Sums over blocks of bins (theta, phi), the first block centred on the first bin of phi."""
+    rows, columns = values.shape
+    values = np.roll(values, MERGED // 2, axis=1)
+    blocks = values.reshape(rows // MERGED, MERGED, columns // MERGED, MERGED)
+    return np.asarray(blocks.sum(axis=(1, 3)))
+
+
+def spread_bins(values: Array) -> Array:
+    """Blocks of `merge_bins` as bins (theta, phi) again, each with its block's value."""
+    fine = np.repeat(np.repeat(values, MERGED, axis=0), MERGED, axis=1)
+    return np.roll(fine, -(MERGED // 2), axis=1)
+
+
 def sequence_names(orders: int) -> list[str]:
     """Name of each row of `sequence`: `>K` for row 0, then `R`, `T`, `RR`, ... up to K facets."""
     return [f">{orders}", ""] + [sequence_name(code) for code in range(2, 2 ** (orders + 1))]

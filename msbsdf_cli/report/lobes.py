@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from msbsdf_cli.report.directory import read_csv
 from msbsdf_cli.report.style import order_colour, panels, save
-from msbsdf_cli.tally import PHI_BINS, SIDES, THETA_BINS, lobe_axes
+from msbsdf_cli.tally import PHI_BINS, SIDES, THETA_BINS, lobe_axes, merge_bins, spread_bins
 from surfaces.facet import Array
 
 PIXELS = 181
@@ -239,9 +239,18 @@ def _map_trio(
     name = "E_t" if side else "E_r"
     _map(axes[0], simulated, top, f"simulated   {name} = {e_simulated:.4f}")
     _map(axes[1], modelled, top, f"modelled   {name} = {e_modelled:.4f}")
-    difference = np.where(np.abs(modelled - simulated) > 2 * noise, modelled - simulated, 0)
+    difference = _significant(modelled - simulated, noise)
     top = float(np.abs(difference).max())
     _map(axes[2], difference, top, "modelled - simulated, > 2 s.e.", signed=True)
+
+
+def _significant(difference: Array, noise: Array) -> Array:
+    """A difference averaged over blocks of bins, 0 where it is below two standard errors."""
+    solid_angle = np.repeat(lobe_axes()[2][:, None], PHI_BINS, axis=1)
+    block = merge_bins(solid_angle)
+    mean = merge_bins(difference * solid_angle) / block
+    stderr = np.sqrt(merge_bins((noise * solid_angle) ** 2)) / block
+    return spread_bins(np.where(np.abs(mean) > 2 * stderr, mean, 0))
 
 
 def _map(axis: Any, density: Array, top: float, title: str, signed: bool = False) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from msbsdf_cli.report.directory import Table, read_csv, read_run
 from msbsdf_cli.report.free_path import Rows, load_free_paths
 from msbsdf_cli.report.lobes import Lobes, load_lobes
-from msbsdf_cli.tally import SIDES, lobe_axes
+from msbsdf_cli.tally import SIDES, lobe_axes, merge_bins
 from surfaces.facet import Array
 
 SAME = ("material", "alpha", "theta", "phi", "orders")
@@ -126,27 +126,17 @@ def _total_variations(ours: Lobes, theirs: Lobes, i: int, theta: float, side: in
     orders = {name: [k] for k, name in enumerate(ours.orders)}
     rows = []
     for name, part in (orders | {"all": list(range(len(orders)))}).items():
-        sums = [_coarse(x.density[i, part, side].sum(axis=0) * solid_angle) for x in (ours, theirs)]
+        sums = [
+            merge_bins(x.density[i, part, side].sum(axis=0) * solid_angle) for x in (ours, theirs)
+        ]
         squares = [
-            _coarse((x.stderr[i, part, side] ** 2).sum(axis=0) * solid_angle**2)
+            merge_bins((x.stderr[i, part, side] ** 2).sum(axis=0) * solid_angle**2)
             for x in (ours, theirs)
         ]
         errors = [np.sqrt(square) for square in squares]
         place = (theta, ours.phi, name, SIDES[side])
         rows.append(_distance("total_variation", place, sums, errors))
     return rows
-
-
-MERGED = 3
-"""Bins of a lobe, along each axis, that are put together for its total variation."""
-
-
-def _coarse(values: Array) -> Array:
-    """Sums over blocks of bins (theta, phi), the first block centred on the first bin of phi."""
-    rows, columns = values.shape
-    values = np.roll(values, MERGED // 2, axis=1)
-    blocks = values.reshape(rows // MERGED, MERGED, columns // MERGED, MERGED)
-    return np.asarray(blocks.sum(axis=(1, 3)))
 
 
 def _free_paths(ours: Rows, theirs: Rows, phi: float) -> list[Row]:
