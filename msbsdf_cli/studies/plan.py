@@ -34,14 +34,14 @@ def plan(
     share = max(multiple_share(scene, Conductor()), multiple_share(scene, scene.facets()))
     any_multiple = min(1.0, 40 * share)
     if cells is None:
-        per_cell2 = 0.35 * share + 0.03 * any_multiple
+        per_cell2 = 0.25 * share + 0.03 * any_multiple
         cells = max(LEAST_CELLS, 2 * math.ceil(math.sqrt(2 * per_cell2 / accuracy) / 2))
     if extent is None:
         per_extent2 = 0.34 * any_multiple
         extent = max(LEAST_EXTENT, math.ceil(math.sqrt(2 * per_extent2 / accuracy)))
     if realisations is None:
         # Which facet lets light through is decided at grazing by few high places.
-        spread = 1.0 if scene.facets().transmits else 0.5
+        spread = 0.8 if scene.facets().transmits else 0.4
         deviation = spread * math.sqrt(share) / extent
         realisations = max(LEAST_REALISATIONS, math.ceil((deviation / accuracy) ** 2))
     return Resolution(cells, extent, realisations, waves)
