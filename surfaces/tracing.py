@@ -40,6 +40,7 @@ class Tracer:
         self.surface = surface
         self.material = material
         self.scale = surface.stretch(alpha_x, alpha_y)
+        self.unscale = 1 / self.scale
 
     def trace(self, wi: Array, n: int, rng: np.random.Generator, max_order: int) -> Iterator[Light]:
         """Trace `n` rays from the direction `wi` (3,), z > 0; yield what leaves, order by order.
@@ -88,7 +89,8 @@ class Tracer:
         if lost.any():
             yield self._leave(rays.compress(lost), order - 1, resolved=False)
         hit = triangle >= 0
-        rays, triangle = rays.compress(hit), triangle.compress(hit)
+        if not hit.all():
+            rays, triangle = rays.compress(hit), triangle.compress(hit)
         point, upper, slopes = meet(self.surface, rays.o, rays.d, triangle)
         facing = upper if rays.inside is None else upper ^ rays.inside
         if not facing.all():
@@ -104,7 +106,9 @@ class Tracer:
         m[2] = 1
         if rays.inside is not None:
             m *= np.where(rays.inside, -1.0, 1.0)
-        travel, gain, transmitted = self.material.scatter(rays.d / self.scale, m, rays.inside, rng)
+        travel, gain, transmitted = self.material.scatter(
+            rays.d * self.unscale, m, rays.inside, rng
+        )
         after = Rays(point, travel * self.scale)
         lift: Array | float = self.surface.lift
         if gain is not None and rays.weight is not None:
@@ -117,7 +121,7 @@ class Tracer:
         return after
 
     def _leave(self, rays: Rays, order: int, resolved: bool = True) -> Light:
-        w = rays.d / self.scale
+        w = rays.d * self.unscale
         return Light(order, w, rays.weight, rays.inside, rays.sequence, resolved)
 
 

@@ -41,7 +41,7 @@ def panels(
 ) -> tuple[Any, Any]:
     """A figure and its axes (rows, columns), sizes in inches, laid out at once: Matplotlib's own
     layout draws everything three times."""
-    left, right, bottom, top = 0.75, 0.15, 0.5, 0.6
+    left, right, bottom, top = 0.85, 0.15, 0.5, 0.6
     across = left + sum(widths) + gap[0] * (len(widths) - 1) + right
     up = bottom + rows * height + gap[1] * (rows - 1) + top
     figure, axes = plt.subplots(
