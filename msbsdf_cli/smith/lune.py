@@ -25,8 +25,10 @@ def lambertian_density(slopes: Slopes, d: Array, w: Array) -> Array:
     eta, d_eta = _half_circles(np.arctan2(dot(b, e2), dot(b, e1)), e1, e2, u, du)
     equator = np.cos(eta) * e1[:, None] + np.sin(eta) * e2[:, None]
     # What is above the horizon starts at one pole or, if that is the lower one, ends at the other.
-    cut = np.arctan2(np.abs(axis[2]), -np.copysign(1, axis[2]) * equator[2])
-    low, high = np.where(axis[2] < 0, cut, 0), np.where(axis[2] < 0, np.pi, cut)
+    # By comparison and not by the sign of a zero, or a level axis would lose all of its lune.
+    downward = axis[2] < 0
+    cut = np.arctan2(np.abs(axis[2]), np.where(downward, 1, -1) * equator[2])
+    low, high = np.where(downward, cut, 0), np.where(downward, np.pi, cut)
     chi = low + u[:, None, None] * (high - low)
     m = np.cos(chi) * axis[:, None, None] + np.sin(chi) * equator[:, None]
     lit = np.maximum(dot(m, a[:, None, None]), 0) * np.maximum(dot(m, b[:, None, None]), 0)

@@ -77,3 +77,13 @@ def test_diffuse_facets_added_up_one_by_one(slopes, alpha):
     value = scatter_density(surface, Diffuse(), d, w)[0]
     # 300 by 600 facets leave 1e-6; the method's 40 nodes about as much.
     np.testing.assert_allclose(value, expected, atol=5e-6)
+
+
+@pytest.mark.parametrize("azimuth", [0.3, 1.0, 2.0, 4.0, 5.5])
+def test_diffuse_density_straight_from_above(azimuth):
+    # The axis of the lune is level there, and its z a zero of either sign.
+    slopes = SLOPES["ggx"](1, 1)
+    w = np.array([[0.6 * np.cos(azimuth)], [0.6 * np.sin(azimuth)], [0.8]])
+    straight = scatter_density(slopes, Diffuse(), np.array([[0.0], [0.0], [-1.0]]), w)
+    nearly = scatter_density(slopes, Diffuse(), np.array([[1e-7], [0.0], [-1.0]]), w)
+    np.testing.assert_allclose(straight, nearly, rtol=1e-5)
