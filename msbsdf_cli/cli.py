@@ -13,6 +13,7 @@ COMMANDS = {
     "walk": "Run the Smith random walk: no surface, only its statistics.",
     "compare": "Hold the model against the surfaces: free paths and lobes.",
     "evaluate": "Evaluate the BSDF along a slice of directions, by any method.",
+    "validate": "The published identities, each with a figure and a verdict.",
     "furnace": "Directional albedo of every method; the white sphere.",
 }
 

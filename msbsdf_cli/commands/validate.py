@@ -1,0 +1,86 @@
+"""`msbsdf validate`"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from msbsdf_cli.options import REPORT, Count, use
+
+SAMPLES, QUICK_SAMPLES = 2_000_000, 100_000
+
+
+@click.command("validate")
+@click.option("--quick", is_flag=True, help="Fewer samples and configurations: half a minute.")
+@click.option(
+    "--samples",
+    type=Count(),
+    metavar="N",
+    help="Trials of each masking test; other tests scale with it. "
+    f"[default: {SAMPLES:.0e}; quick: {QUICK_SAMPLES:.0e}]",
+)
+@use("seed", "threads", *REPORT)
+def command(**options: Any) -> None:
+    """The published identities, each with a figure, a tolerance and a verdict.
+
+    All verdicts hold together: a correct program fails in one run of a thousand. Exit status 0
+    when all identities hold, 3 when one fails.
+    """
+    from msbsdf_cli.commands import common
+    from msbsdf_cli.report.directory import new_report, refuse_existing
+    from msbsdf_cli.studies.recording import show_json
+
+    if options["samples"] is None:
+        options["samples"] = QUICK_SAMPLES if options["quick"] else SAMPLES
+    out = common.out_directory("validate", "quick" if options["quick"] else "full", options["out"])
+    refuse_existing(out, options["force"])
+    with new_report(out) as draft:
+        rows, record = run(draft, options)
+    if options["as_json"]:
+        show_json(record | {"report": str(out)})
+    elif not options["quiet"]:
+        show(rows)
+        click.echo(f"\n{record['summary']}\nReport: {out}")
+    if any(row.failed for row in rows):
+        sys.exit(3)
+
+
+def run(draft: Path, options: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
+    """Measure and judge, and write the report into `draft`; the rows and run.json's content."""
+    from msbsdf_cli.report.directory import RUN, write_csv, write_json
+    from msbsdf_cli.report.identities import draw_identities, draw_reciprocity
+    from msbsdf_cli.studies.identities.suite import measure
+    from msbsdf_cli.studies.identities.table import counts, differences, identities, summary
+    from msbsdf_cli.studies.identities.verdicts import FAMILY_ERROR, judge
+    from msbsdf_cli.studies.recording import methods_record, now
+
+    started = now()
+    settings = (options[name] for name in ("samples", "seed", "threads", "quick", "quiet"))
+    suite = measure(*settings)
+    rows = judge(suite.findings)
+    record = methods_record("validate", options, started, suite.wall_s, suite.samples, [])
+    record |= {
+        "summary": summary(rows),
+        "verdicts": counts(rows),
+        "family_error": FAMILY_ERROR,
+        "failed": [f"{r.finding.identity} ({r.finding.section})" for r in rows if r.failed],
+    }
+    write_json(draft / RUN, record)
+    write_csv(draft / "identities.csv", identities(rows))
+    write_csv(draft / "reciprocity.csv", differences(rows))
+    draw_identities(rows, draft / "identities.png")
+    draw_reciprocity(rows, draft / "reciprocity.png")
+    return rows, record
+
+
+def show(rows: list[Any]) -> None:
+    """Print a line for each identity, and one for each of its rows that fails."""
+    from msbsdf_cli.report.terminal import show_table
+    from msbsdf_cli.studies.identities.table import FAILURE_HEADER, HEADER, failures, lines
+
+    show_table(HEADER, lines(rows))
+    failed = failures(rows)
+    if failed:
+        click.echo()
+        show_table(FAILURE_HEADER, failed)

@@ -1,0 +1,104 @@
+"""Reciprocity of the BSDF, for every method that claims it, [HHdD16 impl.] 4.4.2."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.studies.identities.bsdf import ORDERS, angles, drawn, hard, lit_direction
+from msbsdf_cli.studies.identities.claims import CLAIMS
+from msbsdf_cli.studies.identities.configurations import IOR, Configuration
+from msbsdf_cli.studies.identities.evidence import Evidence, Exact, of_two
+from msbsdf_cli.studies.identities.identity import Identity
+from msbsdf_cli.studies.identities.phase import BATCHES
+from msbsdf_cli.studies.identities.verdicts import FAILS_AS_EXPECTED, Finding
+from surfaces.facet import Array
+from surfaces.materials import Dielectric
+
+ROUNDING = 1e-9
+"""Relative rounding of a closed form seen from both ends."""
+
+QUADRATURE_ERROR = 1e-4
+"""Relative error of diffuse first orders, which are not symmetric to rounding."""
+
+
+def reciprocity(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
+    """f(wi, wo) = f(wo, wi), all orders together and the second alone; through the surface with
+    the squared index, since light here carries energy."""
+    if not CLAIMS[c.method].reciprocal:
+        return
+    wo = lit_direction(c, rng)
+    c = replace(c, wo=angles(wo))
+    try:
+        there, back = both_ways(c, n, rng)
+    except NotForThis:
+        return
+    rows = {"reciprocity": slice(None), "reciprocity, order 2": slice(1, 2)}
+    for name, orders in rows.items():
+        one, two = there[:, orders].sum(axis=1), back[:, orders].sum(axis=1)
+        if c.method == "single" and name != "reciprocity":
+            continue
+        yield Finding(name, "4.4.2", c, _evidence(c, one, two))
+
+
+def _evidence(c: Configuration, one: Array, two: Array) -> Evidence:
+    slack, because = ROUNDING, "rounding"
+    if c.material == "diffuse":
+        slack, because = QUADRATURE_ERROR, "quadrature over diffuse facets"
+    elif CLAIMS[c.method].because and c.material == "dielectric":
+        slack, because = CLAIMS[c.method].slack(c.material), "tables of albedos of both indices"
+    slack *= float(one.mean())
+    if one.size == 1 and two.size == 1:
+        return Exact(float(one.mean()), float(two.mean()), slack, because)
+    return of_two(one, two, slack, because)
+
+
+def both_ways(c: Configuration, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+    """f(wi, wo) and what the other way says of it, (batches, orders + 1) each; one batch where
+    there is no noise."""
+    slopes, material = c.distribution(), c.facets()
+    there = METHODS[c.method](slopes, material, ORDERS)
+    wi, wo = c.i, c.o
+    back, turn, ratio = there, 1.0, abs(float(wo[2, 0]))
+    if wo[2, 0] < 0:
+        # Upside down, light that comes back from inside arrives from above on the inverse index.
+        back, turn = METHODS[c.method](slopes, Dielectric(1 / IOR), ORDERS), -1.0
+        ratio *= IOR**2
+    size = max(n // BATCHES, 2)
+    ways = []
+    for method, a, b, scale in (
+        (there, wi, wo, 1.0),
+        (back, turn * wo, turn * wi, ratio / float(wi[2, 0])),
+    ):
+        one = method.evaluate(a[:, 0], b, size, rng)
+        runs = [one.value[0, :, 0]]
+        while one.stderr.any() and len(runs) < BATCHES:
+            runs.append(method.evaluate(a[:, 0], b, size, rng).value[0, :, 0])
+        ways.append(np.array(runs) * scale)
+    return ways[0], ways[1]
+
+
+def failing(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
+    """The height-correlated position-free model is not reciprocal ([WJFYHY22 supp.] 2.2)."""
+    there, back = both_ways(c, n, rng)
+    evidence = of_two(there[:, 1], back[:, 1])
+    section = "[WJFYHY22 supp.] 2.2"
+    yield Finding("reciprocity, order 2", section, c, evidence, FAILS_AS_EXPECTED)
+
+
+def not_reciprocal() -> list[Configuration]:
+    """Pairs of directions for which the two ways differ by a tenth and more."""
+    method = "position-free-correlated"
+    return [
+        Configuration(slopes, (1.0, 1.0), (0.2, 0.0), wo, material="conductor", method=method)
+        for slopes in ("beckmann", "ggx")
+        for wo in ((1.3, 2.0), (1.2, 3.0))
+    ]
+
+
+IDENTITIES = (
+    Identity(reciprocity, hard, drawn, draws=24, share=0.05, cost=3),
+    Identity(failing, not_reciprocal, share=0.5, least=20_000, cost=3),
+)
