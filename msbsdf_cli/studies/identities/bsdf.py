@@ -47,7 +47,7 @@ def energy_and_samples(c: Configuration, n: int, rng: np.random.Generator) -> It
         return
     claims = CLAIMS[c.method]
     walks = max(int(np.sqrt(n / BATCHES)), 16)
-    summed = np.array([_integrals(c, method, walks, rng) for _ in range(BATCHES)])
+    summed = _integrals(c, method, walks, rng)
     if claims.energy:
         evidence = of_batches(1.0, summed[:, 0], claims.slack(c.material), claims.because)
     else:
@@ -74,7 +74,25 @@ def made(c: Configuration) -> Method | None:
 
 
 def _integrals(c: Configuration, method: Method, walks: int, rng: np.random.Generator) -> Array:
-    """One estimate of the integral of f cos(theta_o) times 1 and the moments of wo, (1 + 6,).
+    """Estimates (batches, 1 + 6) of the integral of f cos(theta_o) times 1 and moments of wo."""
+    batches = [_directions(c, walks, rng) for _ in range(BATCHES)]
+    wi = c.i[:, 0]
+    if method.deterministic:
+        together = np.concatenate([w for w, _ in batches], axis=1)
+        value = method.evaluate(wi, together, 0, rng).value[0].sum(axis=0)
+        values = np.split(value, np.cumsum([w.shape[1] for w, _ in batches])[:-1])
+    else:
+        values = [method.evaluate(wi, w, walks, rng).value[0].sum(axis=0) for w, _ in batches]
+    return np.array(
+        [
+            ((value / density) * np.concatenate([np.ones((1, value.size)), moments(w)])).sum(axis=1)
+            for value, (w, density) in zip(values, batches, strict=True)
+        ]
+    )
+
+
+def _directions(c: Configuration, walks: int, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Outgoing directions (3, n) and their density, n times a probability density.
 
     Directions come from the first facet and from a cosine lobe in fixed proportion and count by
     the balance heuristic; both densities are known, and no bright direction is rarely drawn. For
@@ -84,7 +102,6 @@ def _integrals(c: Configuration, method: Method, walks: int, rng: np.random.Gene
     diffuse = c.material == "diffuse"
     n = walks // DIFFUSE_FEWER if diffuse else walks
     first = 0 if diffuse else int(FIRST_SHARE * n)
-    wi = c.i[:, 0]
     m = slopes.visible_normals(c.i, first, rng)
     facet = material.scatter(np.repeat(-c.i, first, axis=1), m, None, rng)
     through = np.zeros(first, bool) if facet.transmitted is None else facet.transmitted
@@ -94,9 +111,8 @@ def _integrals(c: Configuration, method: Method, walks: int, rng: np.random.Gene
     sides = 2 if material.transmits else 1
     density = (n - first) * np.abs(w[2]) / (np.pi * sides)
     if first:
-        density = density + first * phase_density(slopes, material, wi, w)
-    value = method.evaluate(wi, w, walks, rng).value[0].sum(axis=0) / density
-    return np.append(value.sum(), (value * moments(w)).sum(axis=1))
+        density = density + first * phase_density(slopes, material, c.i[:, 0], w)
+    return w, density
 
 
 def _cosine(n: int, both_sides: bool, rng: np.random.Generator) -> Array:

@@ -45,11 +45,11 @@ def extinction(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[F
     slopes = c.distribution()
     w = c.i
     sigma, expected = float(slopes.sigma(w)[0]), projected_area(c, -w)
-    slack = AREA_ERROR * expected + np.finfo(float).eps
+    slack = AREA_ERROR * expected + float(np.finfo(float).eps)
     because = "rounding, and the error of the integral over slopes"
     yield _exact("projected area", SECTION + "20-22", c, expected, sigma, slack, because)
     both = float(slopes.sigma(-w)[0]) - sigma
-    slack = 4 * np.finfo(float).eps * (1 + sigma)
+    slack = 4 * float(np.finfo(float).eps) * (1 + sigma)
     yield _exact(
         "projected area, signs", SECTION + "22", c, float(w[2, 0]), both, slack, "rounding"
     )

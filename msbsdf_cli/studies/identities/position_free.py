@@ -19,7 +19,7 @@ from msbsdf_cli.studies.identities.configurations import (
 )
 from msbsdf_cli.studies.identities.evidence import Exact
 from msbsdf_cli.studies.identities.identity import Identity
-from msbsdf_cli.studies.identities.reference import SEEN, projected_area
+from msbsdf_cli.studies.identities.reference import SEEN, big_lambda, projected_area
 from msbsdf_cli.studies.identities.verdicts import FAILS_AS_EXPECTED, HOLDS, Finding
 from surfaces.facet import Array
 
@@ -141,13 +141,13 @@ def segment_terms(c: Configuration, n: int, rng: np.random.Generator) -> Iterato
         _path(slopes, [-up0, -up1, o], True),
         _path(slopes, [-o, up1, up0], True),
     )
-    Lambdas = [1 / _g1(c, w) - 1 for w in (up0, up1, o)]
+    Lambdas = [big_lambda(c, w) for w in (up0, up1, o)]
     wanted = 1 / (1 + Lambdas[0]) / (1 + Lambdas[1] + Lambdas[2])
     evidence = Exact(wanted, forward, INTEGRAL_ERROR * wanted, because)
     yield Finding("segment terms, correlated, forward", SECTION + "25", c, evidence)
     backward = Lambdas[1] / ((1 + Lambdas[2]) * (1 + Lambdas[2] + Lambdas[1]))
     backward /= Lambdas[1] + Lambdas[0]
-    evidence = Exact(backward, inverse, INTEGRAL_ERROR * wanted, because)
+    evidence = Exact(backward, inverse, INTEGRAL_ERROR * backward, because)
     yield Finding("segment terms, correlated, inverse", SECTION + "26", c, evidence)
     same = abs(wanted - backward) <= INTEGRAL_ERROR * wanted
     evidence = Exact(forward, inverse, INTEGRAL_ERROR * wanted, because)
