@@ -23,6 +23,8 @@ class Identity:
     """One random configuration."""
     draws: int = 0
     """Random configurations in a full run."""
+    thin: int = 1
+    """A quick run has one of so many of the fixed configurations."""
     share: float = 1.0
     """Samples for a configuration, over those that the user asked for."""
     least: int = 1024

@@ -99,6 +99,6 @@ def not_reciprocal() -> list[Configuration]:
 
 
 IDENTITIES = (
-    Identity(reciprocity, hard, drawn, draws=24, share=0.05, cost=3),
+    Identity(reciprocity, hard, drawn, draws=24, thin=2, share=0.05, cost=3),
     Identity(failing, not_reciprocal, share=0.5, least=20_000, cost=3),
 )

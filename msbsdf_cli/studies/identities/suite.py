@@ -92,7 +92,7 @@ def plan(
     for identity in identities:
         number = IDENTITIES.index(identity)
         rng = _generator(seed, identity, 0)
-        configurations = identity.hard()
+        configurations = identity.hard()[:: identity.thin if quick else 1]
         if identity.drawn is not None:
             draws = -(-identity.draws // QUICK_DRAWS) if quick else identity.draws
             configurations += [identity.drawn(rng) for _ in range(draws)]
