@@ -26,8 +26,8 @@ from surfaces.facet import Array, unit_circle
 ORDERS = 2
 
 FIRST_SHARE = 0.75
-"""Share of the outgoing directions that the first facet draws; the others follow the cosine, for
-the sake of later facets."""
+"""Share of the outgoing directions that the first facet draws; the others are uniform, for the sake
+of later facets."""
 
 DIFFUSE_FEWER = 4
 """Directions for which there is one with diffuse facets: each costs a quadrature, and what they
@@ -94,9 +94,10 @@ def _integrals(c: Configuration, method: Method, walks: int, rng: np.random.Gene
 def _directions(c: Configuration, walks: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """Outgoing directions (3, n) and their density, n times a probability density.
 
-    Directions come from the first facet and from a cosine lobe in fixed proportion and count by
-    the balance heuristic; both densities are known, and no bright direction is rarely drawn. For
-    diffuse facets the cosine alone will do.
+    Directions come from the first facet and from the whole hemisphere in fixed proportion and
+    count by the balance heuristic; both densities are known, and no bright direction is rarely
+    drawn. A cosine lobe would: walks near the top send light to the horizon as well. For diffuse
+    facets the hemisphere alone will do.
     """
     slopes, material = c.distribution(), c.facets()
     diffuse = c.material == "diffuse"
@@ -107,17 +108,17 @@ def _directions(c: Configuration, walks: int, rng: np.random.Generator) -> tuple
     through = np.zeros(first, bool) if facet.transmitted is None else facet.transmitted
     # What stays below its side has no value; the density there need not be known.
     w = facet.d[:, through == (facet.d[2] < 0)]
-    w = np.concatenate([w, _cosine(n - first, material.transmits, rng)], axis=1)
+    w = np.concatenate([w, _uniform(n - first, material.transmits, rng)], axis=1)
     sides = 2 if material.transmits else 1
-    density = (n - first) * np.abs(w[2]) / (np.pi * sides)
+    density = np.full(w.shape[1], (n - first) / (2 * np.pi * sides))
     if first:
-        density = density + first * phase_density(slopes, material, c.i[:, 0], w)
+        density += first * phase_density(slopes, material, c.i[:, 0], w)
     return w, density
 
 
-def _cosine(n: int, both_sides: bool, rng: np.random.Generator) -> Array:
-    """Directions (3, n) by the cosine, stratified in height."""
-    z = np.sqrt((np.arange(n) + rng.random(n)) / n)
+def _uniform(n: int, both_sides: bool, rng: np.random.Generator) -> Array:
+    """Uniform directions (3, n), stratified in height."""
+    z = (np.arange(n) + rng.random(n)) / n
     cos_phi, sin_phi = unit_circle(n, rng)
     s = np.sqrt(1 - z * z)
     if both_sides:
