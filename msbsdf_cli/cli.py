@@ -14,6 +14,7 @@ COMMANDS = {
     "compare": "Hold the model against the surfaces: free paths and lobes.",
     "evaluate": "Evaluate the BSDF along a slice of directions, by any method.",
     "furnace": "Directional albedo of every method; the white sphere.",
+    "tradeoff": "Error against time for every method, on one chart.",
 }
 
 
