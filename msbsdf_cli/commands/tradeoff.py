@@ -28,6 +28,11 @@ from msbsdf_cli.options import MODEL, REPORT, RESOLUTION, Count, samples, use
 )
 @click.option("--qmc", is_flag=True, help="Scrambled Sobol points where a path starts.")
 @click.option(
+    "--corners",
+    is_flag=True,
+    help="Also the fastest method over roughness 0.1 to 1 and theta 0 to 1.5.",
+)
+@click.option(
     "--surfaces/--no-surfaces",
     default=True,
     show_default=True,

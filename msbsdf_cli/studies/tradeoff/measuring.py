@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from msbsdf_cli.methods.protocol import Method
+from msbsdf_cli.methods.directions import Holds
+from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene
@@ -38,6 +39,8 @@ class Setting:
     """Walks or paths; 0 for methods without noise."""
     resolution: float = float("nan")
     """Of `solve`."""
+    one_by_one: bool = False
+    """Whether to ask for one outgoing direction at a time, as a renderer does."""
 
     @property
     def deterministic(self) -> bool:
@@ -46,9 +49,33 @@ class Setting:
     def make(self, scene: Scene) -> Method:
         """The method, set up but for what it puts off until its first evaluation."""
         arguments = scene.distribution(), scene.facets(), scene.orders
+        method: Method
         if self.method == "solve":
-            return Solve(*arguments, self.resolution)
-        return METHODS[self.method](*arguments)
+            method = Solve(*arguments, self.resolution)
+        else:
+            method = METHODS[self.method](*arguments)
+        return OneByOne(method) if self.one_by_one else method
+
+
+class OneByOne(Holds):
+    """A method that is asked for each outgoing direction anew, with samples of its own."""
+
+    def __init__(self, method: Method) -> None:
+        self.method, self.deterministic = method, method.deterministic
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        found = [self.method.evaluate(wi, w[:, None], samples, rng) for w in wo.T]
+        value, stderr = (
+            np.concatenate([getattr(e, name) for e in found], axis=2)
+            for name in ("value", "stderr")
+        )
+        return Evaluation(value, stderr, max(e.unresolved for e in found))
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        return self.method.sample(wi, n, rng)
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        return self.method.pdf(wi, wo)
 
 
 def ladder(methods: tuple[str, ...], most: int) -> list[Setting]:

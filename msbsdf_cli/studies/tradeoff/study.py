@@ -1,6 +1,6 @@
 """The whole study: reference, methods, surfaces, and what is written of them."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +9,26 @@ from msbsdf_cli.report.directory import Table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.plan import plan
 from msbsdf_cli.studies.tradeoff import floors as flooring
+from msbsdf_cli.studies.tradeoff import reach as reaching
 from msbsdf_cli.studies.tradeoff import rows as tabulating
-from msbsdf_cli.studies.tradeoff.directions import lobe_directions
+from msbsdf_cli.studies.tradeoff.corners import ALPHAS, THETAS, corner_rows
+from msbsdf_cli.studies.tradeoff.directions import Lobe, lobe_directions
 from msbsdf_cli.studies.tradeoff.measuring import Protocol, Series, ladder, measure
 from msbsdf_cli.studies.tradeoff.reference import Reference, reference
+from msbsdf_cli.studies.tradeoff.scaling import (
+    REPEATS,
+    Scaling,
+    of_rows,
+    one_each,
+    over_orders,
+    over_threads,
+)
+from msbsdf_cli.studies.tradeoff.scaling import table as scaling_table
 from msbsdf_cli.studies.tradeoff.world import World, distances, trace_world
+
+PAIRS = 8
+"""Outgoing directions that are asked for one at a time."""
+PAIR_REPLICATES = 8
 
 
 @dataclass
@@ -27,21 +42,30 @@ class Result:
     floors: list[flooring.Floor]
     margin: float
     warnings: list[str] = field(default_factory=list)
-    tables_besides: dict[str, Table] = field(default_factory=dict)
+    pairs: list[tabulating.Row] = field(default_factory=list)
+    scaling: list[Scaling] = field(default_factory=list)
+    corners: list[reaching.Reach] = field(default_factory=list)
 
     def tables(self) -> dict[str, Table]:
         """All tables by file name."""
-        return {
+        tables = {
             "tradeoff.csv": tabulating.table(self.rows),
             "floors.csv": flooring.table(self.floors),
-            **self.tables_besides,
+            "reach.csv": reaching.table(reaching.reach(self.rows)),
+            "pairs.csv": tabulating.table(self.pairs),
+            "scaling.csv": scaling_table(self.scaling),
         }
+        return tables | ({"corners.csv": reaching.table(self.corners)} if self.corners else {})
 
     def draw(self, draft: Path) -> None:
         """All pictures."""
+        from msbsdf_cli.report.scaling import draw_corners, draw_scaling
         from msbsdf_cli.report.tradeoff import draw_tradeoff
 
         draw_tradeoff(self.rows, self.floors, draft / "tradeoff.png")
+        draw_scaling(self.scaling, draft / "scaling.png")
+        if self.corners:
+            draw_corners(self.corners, draft / "corners.png")
 
     def record(self) -> dict[str, Any]:
         """What run.json says of it."""
@@ -58,7 +82,15 @@ class Result:
 
     def sentences(self) -> list[str]:
         """What the chart says at a glance, in words."""
-        return []
+        found = reaching.reach(self.rows)
+        said = reaching.sentences(found) + reaching.tenfold(found)
+        for f in self.floors:
+            if f.floor == "model" and f.model == "smith":
+                said.append(
+                    f"The Smith model is {f.relative_rmse:.2g} +- {f.stderr:.1g} from explicit "
+                    f"surfaces at theta {f.theta_i_rad:.4g}: less error than that is wasted there."
+                )
+        return said
 
 
 def run(scene: Scene, options: dict[str, Any]) -> Result:
@@ -85,8 +117,51 @@ def run(scene: Scene, options: dict[str, Any]) -> Result:
         flooring.floors(scene, truth, world, found),
         flooring.margin(rows, truth, scene.theta),
     )
+    result.pairs = pair_rows(scene, options)
+    result.scaling = scale(result, options, lobes[len(lobes) // 2])
+    if options["corners"]:
+        result.corners = reaching.reach(over_roughness(scene, options, THETAS, "corners"))
     result.warnings = warnings_of(result, options)
     return result
+
+
+def pair_rows(scene: Scene, options: dict[str, Any]) -> list[tabulating.Row]:
+    """Rows of a renderer's case: one pair of directions at a time."""
+    lobes = [lobe_directions(scene, theta, PAIRS, options["seed"]) for theta in scene.theta]
+    settings = [
+        replace(s, one_by_one=True) for s in one_each(options["method"], options["samples"])
+    ]
+    protocol = Protocol(
+        min(options["replicates"], PAIR_REPLICATES), options["seed"], options["qmc"]
+    )
+    with Progress("pairs", protocol.replicates + 1, "rounds", options["quiet"]) as progress:
+        series = measure(scene, settings, lobes, protocol, progress.advance)
+    truth = reference(scene, lobes, options["samples"], options["seed"])
+    return tabulating.method_rows(scene, series, truth)
+
+
+def scale(result: Result, options: dict[str, Any], lobe: Lobe) -> list[Scaling]:
+    """Time over samples, orders, processes and roughness, at the angle of `lobe`."""
+    methods, seed = options["method"], options["seed"]
+    dearest = [s for s in one_each(methods, options["samples"]) if s.samples]
+    rough = over_roughness(result.scene, options, (lobe.theta,), "roughness")
+    return [
+        *of_rows("samples", result.rows),
+        *over_orders(result.scene, methods, lobe, Protocol(REPEATS, seed, options["qmc"])),
+        *over_threads(result.scene, dearest, lobe, options["threads"], seed),
+        *of_rows("roughness", rough),
+    ]
+
+
+def over_roughness(
+    scene: Scene, options: dict[str, Any], thetas: tuple[float, ...], label: str
+) -> list[tabulating.Row]:
+    """Rows over roughness and these angles."""
+    protocol = Protocol(options["replicates"], options["seed"], options["qmc"])
+    with Progress(label, len(ALPHAS), "roughnesses", options["quiet"]) as progress:
+        return corner_rows(
+            scene, options["method"], thetas, options["directions"], protocol, progress.advance
+        )
 
 
 def surfaces_for(scene: Scene, options: dict[str, Any]) -> World:
