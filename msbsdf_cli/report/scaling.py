@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from msbsdf_cli.report.style import panels, plt, save
 from msbsdf_cli.report.tradeoff import LOOKS
@@ -33,10 +34,11 @@ def draw_scaling(rows: list[Scaling], path: Path) -> None:
             _draw_worth(lower, line, parameter)
         for axis in (upper, lower):
             axis.set_xscale("log", base=10 if parameter in ("samples", "roughness") else 2)
+            axis.xaxis.set_minor_formatter(NullFormatter())
             axis.set_xlabel(label, labelpad=1)
         upper.set_yscale("log")
         upper.set_title(f"over {label}, theta_i = {first:.4g}")
-        lower.set_yscale("linear" if parameter == "threads" else "log")
+        lower.set_yscale("linear" if parameter in ("threads", "orders") else "log")
         lower.set_ylabel(
             {"threads": "speed over one process", "orders": "time over that of 1 order"}.get(
                 parameter, "relative RMSE"

@@ -44,11 +44,10 @@ class QuasiRandom(np.random.Generator):
             # A power of two whatever is wanted: scipy warns of others, and cutting is harmless.
             whole = 1 << max(int(size) - 1, 0).bit_length()
             self.points = self.sobol.random(whole)[:size].T
-        if self.points is None or uniform.shape != self.points.shape[1:]:
+        points = self.points
+        if points is None or np.shape(uniform) != points.shape[1:] or self.used == DIMENSIONS:
             return uniform
-        if self.used == DIMENSIONS:
-            return uniform
-        column = self.points[self.used]
+        column = points[self.used]
         self.used += 1
         return np.minimum(column + uniform * 2.0**-BITS, 1 - np.finfo(dtype).epsneg).astype(dtype)
 
