@@ -33,6 +33,11 @@ from msbsdf_cli.options import MODEL, REPORT, RESOLUTION, Count, samples, use
     help="Also the fastest method over roughness 0.1 to 1 and theta 0 to 1.5.",
 )
 @click.option(
+    "--claims",
+    is_flag=True,
+    help="Also what the papers say of noise: a slab's image over time, variance added.",
+)
+@click.option(
     "--surfaces/--no-surfaces",
     default=True,
     show_default=True,

@@ -6,12 +6,14 @@ import pytest
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.studies.tradeoff import claims
+from msbsdf_cli.studies.tradeoff.claims import slab
 from msbsdf_cli.studies.tradeoff.corners import FEW
 from msbsdf_cli.studies.tradeoff.directions import lobe_directions
 from msbsdf_cli.studies.tradeoff.errors import accuracy, inner_products, taken_apart
 from msbsdf_cli.studies.tradeoff.fits import pareto, rank_stability, ranks, slope
 from msbsdf_cli.studies.tradeoff.floors import floors, margin
-from msbsdf_cli.studies.tradeoff.measuring import Protocol, Setting, ladder, measure
+from msbsdf_cli.studies.tradeoff.measuring import Protocol, Setting, ladder, measure, timed
 from msbsdf_cli.studies.tradeoff.quasirandom import (
     DIMENSIONS,
     QuasiRandom,
@@ -263,3 +265,33 @@ def test_seconds_to_an_error():
     assert found["solve", 0.001].gain == pytest.approx(1600 / 4)
     assert found["solve", 0.001].best
     assert not found["walk", 0.001].best
+
+
+def test_the_slab_is_seen_from_where_a_mirror_would_send_the_light():
+    lobe = slab(SCENE)
+    assert np.linalg.norm(lobe.wo, axis=0) == pytest.approx(1)
+    assert (lobe.wo[2] > 0).all()
+    middle = lobe.wo.mean(axis=1)
+    assert middle[0] < 0 < lobe.wi[0]
+    assert middle[1] == pytest.approx(0, abs=1e-12)
+
+
+def test_figure_17_says_what_a_walk_is_worth(monkeypatch):
+    """Errors of single walks, foretold, against those of repetitions with sixteen."""
+    monkeypatch.setattr(claims, "ALPHAS", (0.5,))
+    monkeypatch.setattr(claims, "ESTIMATORS", ("walk", "exact"))
+    table = claims.figure_17(SCENE, 0)
+    told = [
+        (mse, stderr)
+        for name, n, mse, stderr in zip(
+            table["method"], table["samples"], table["relative_mse"],
+            table["relative_mse_stderr"], strict=True,
+        )
+        if (name, n) == ("exact", 16)
+    ]  # fmt: skip
+    lobe = slab(SCENE)
+    exact = METHODS["exact"](SCENE.distribution(), SCENE.facets(), SCENE.orders)
+    values = np.stack([timed(exact, 16, lobe, [1, r], False)[0].sum(axis=1) for r in range(200)])
+    mse = values.var(axis=0, ddof=1).sum() / (values.mean(axis=0) ** 2).sum()
+    ((foretold, stderr),) = told
+    assert mse == pytest.approx(foretold, abs=5 * stderr + 0.2 * foretold)

@@ -11,6 +11,7 @@ from msbsdf_cli.studies.plan import plan
 from msbsdf_cli.studies.tradeoff import floors as flooring
 from msbsdf_cli.studies.tradeoff import reach as reaching
 from msbsdf_cli.studies.tradeoff import rows as tabulating
+from msbsdf_cli.studies.tradeoff.claims import figure_17, more_variance, two_samples
 from msbsdf_cli.studies.tradeoff.corners import ALPHAS, THETAS, corner_rows
 from msbsdf_cli.studies.tradeoff.directions import Lobe, lobe_directions
 from msbsdf_cli.studies.tradeoff.measuring import Protocol, Series, ladder, measure
@@ -45,6 +46,7 @@ class Result:
     pairs: list[tabulating.Row] = field(default_factory=list)
     scaling: list[Scaling] = field(default_factory=list)
     corners: list[reaching.Reach] = field(default_factory=list)
+    claims: dict[str, Table] = field(default_factory=dict)
 
     def tables(self) -> dict[str, Table]:
         """All tables by file name."""
@@ -55,10 +57,12 @@ class Result:
             "pairs.csv": tabulating.table(self.pairs),
             "scaling.csv": scaling_table(self.scaling),
         }
+        tables |= self.claims
         return tables | ({"corners.csv": reaching.table(self.corners)} if self.corners else {})
 
     def draw(self, draft: Path) -> None:
         """All pictures."""
+        from msbsdf_cli.report.figure_17 import draw_figure_17
         from msbsdf_cli.report.scaling import draw_corners, draw_scaling
         from msbsdf_cli.report.tradeoff import draw_tradeoff
 
@@ -66,6 +70,8 @@ class Result:
         draw_scaling(self.scaling, draft / "scaling.png")
         if self.corners:
             draw_corners(self.corners, draft / "corners.png")
+        if self.claims:
+            draw_figure_17(self.claims["figure_17.csv"], draft / "figure_17.png")
 
     def record(self) -> dict[str, Any]:
         """What run.json says of it."""
@@ -90,7 +96,7 @@ class Result:
                     f"The Smith model is {f.relative_rmse:.2g} +- {f.stderr:.1g} from explicit "
                     f"surfaces at theta {f.theta_i_rad:.4g}: less error than that is wasted there."
                 )
-        return said
+        return said + (two_samples(self.claims["figure_17.csv"]) if self.claims else [])
 
 
 def run(scene: Scene, options: dict[str, Any]) -> Result:
@@ -121,6 +127,11 @@ def run(scene: Scene, options: dict[str, Any]) -> Result:
     result.scaling = scale(result, options, lobes[len(lobes) // 2])
     if options["corners"]:
         result.corners = reaching.reach(over_roughness(scene, options, THETAS, "corners"))
+    if options["claims"]:
+        result.claims = {
+            "figure_17.csv": figure_17(scene, seed),
+            "claims.csv": more_variance(scene, options["directions"], seed),
+        }
     result.warnings = warnings_of(result, options)
     return result
 
