@@ -6,6 +6,7 @@ from dataclasses import replace
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import lobe_directions
 from msbsdf_cli.studies.tradeoff.measuring import RESOLUTIONS, Protocol, Setting, measure
+from msbsdf_cli.studies.tradeoff.reach import Reach
 from msbsdf_cli.studies.tradeoff.reference import reference
 from msbsdf_cli.studies.tradeoff.rows import Row, method_rows
 from msbsdf_cli.studies.tradeoff.scaling import SAMPLES, one_each
@@ -17,8 +18,24 @@ THETAS = (0.0, 0.5, 1.0, 1.5)
 
 REPLICATES = 8
 
+DIRECTIONS = 64
+"""At most: there are many lobes to measure."""
+
 FEW = 16
 """Walks of the shortest run, below which no time is claimed."""
+
+
+def unbeaten(found: list[Reach]) -> list[str]:
+    """Where nobody is faster than the walk, and the least gain of the fastest elsewhere."""
+    said = []
+    for error in dict.fromkeys(r.relative_rmse for r in found):
+        best = [r for r in found if r.relative_rmse == error and r.best]
+        walk = [f"alpha {r.alpha_x:g} theta {r.theta_i_rad:g}" for r in best if r.method == "walk"]
+        gains = [r.gain for r in best if r.method != "walk" and r.gain < float("inf")]
+        others = f"elsewhere the fastest gains at least {min(gains):.2g}x" if gains else ""
+        where = "; ".join(walk) or "nowhere"
+        said.append(f"Corners where walk is the fastest to {error:.1%}: {where}. {others}".strip())
+    return said
 
 
 def corner_rows(
@@ -34,6 +51,7 @@ def corner_rows(
     usual = [s for s in one_each(methods) if s.method != "solve"]
     settings = [replace(s, samples=FEW) for s in usual if s.samples] + usual
     settings += [Setting("solve", resolution=r) for r in RESOLUTIONS if "solve" in methods]
+    directions = min(directions, DIRECTIONS)
     rows = []
     for alpha in ALPHAS:
         scale = alpha / max(scene.alpha)

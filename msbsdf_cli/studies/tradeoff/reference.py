@@ -1,7 +1,7 @@
 """What the methods are judged by: the Smith model, better known than any of them knows it."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,6 +60,19 @@ def reference(scene: Scene, lobes: list[Lobe], samples: int, seed: int) -> Refer
         if max(noise) < ENOUGH:
             break
     return Reference("solve", resolution, fine, noise, time.perf_counter() - started)
+
+
+def references(
+    scene: Scene, lobes: list[Lobe], others: list[Lobe], samples: int, seed: int
+) -> tuple[Reference, Reference]:
+    """References for two sets of lobes, set up once."""
+    both = reference(scene, [*lobes, *others], samples, seed)
+    n = len(lobes)
+    first, second = (
+        replace(both, values=both.values[part], noise=both.noise[part])
+        for part in (slice(n), slice(n, None))
+    )
+    return first, second
 
 
 def relative(difference: Array, truth: Array, weight: Array) -> float:

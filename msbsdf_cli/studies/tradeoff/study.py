@@ -12,10 +12,10 @@ from msbsdf_cli.studies.tradeoff import floors as flooring
 from msbsdf_cli.studies.tradeoff import reach as reaching
 from msbsdf_cli.studies.tradeoff import rows as tabulating
 from msbsdf_cli.studies.tradeoff.claims import figure_17, more_variance, two_samples
-from msbsdf_cli.studies.tradeoff.corners import ALPHAS, THETAS, corner_rows
+from msbsdf_cli.studies.tradeoff.corners import ALPHAS, THETAS, corner_rows, unbeaten
 from msbsdf_cli.studies.tradeoff.directions import Lobe, lobe_directions
 from msbsdf_cli.studies.tradeoff.measuring import Protocol, Series, ladder, measure
-from msbsdf_cli.studies.tradeoff.reference import Reference, reference
+from msbsdf_cli.studies.tradeoff.reference import Reference, references
 from msbsdf_cli.studies.tradeoff.scaling import (
     REPEATS,
     Scaling,
@@ -96,6 +96,7 @@ class Result:
                     f"The Smith model is {f.relative_rmse:.2g} +- {f.stderr:.1g} from explicit "
                     f"surfaces at theta {f.theta_i_rad:.4g}: less error than that is wasted there."
                 )
+        said += unbeaten(self.corners)
         return said + (two_samples(self.claims["figure_17.csv"]) if self.claims else [])
 
 
@@ -103,7 +104,8 @@ def run(scene: Scene, options: dict[str, Any]) -> Result:
     """Measure, from the options of the command."""
     seed, threads, quiet = options["seed"], options["threads"], options["quiet"]
     lobes = [lobe_directions(scene, theta, options["directions"], seed) for theta in scene.theta]
-    truth = reference(scene, lobes, options["samples"], seed)
+    pairs = [lobe_directions(scene, theta, PAIRS, seed) for theta in scene.theta]
+    truth, pair_truth = references(scene, lobes, pairs, options["samples"], seed)
     settings = ladder(options["method"], options["samples"])
     protocol = Protocol(options["replicates"], seed, options["qmc"])
     with Progress("methods", options["replicates"] + 1, "rounds", quiet) as progress:
@@ -123,7 +125,7 @@ def run(scene: Scene, options: dict[str, Any]) -> Result:
         flooring.floors(scene, truth, world, found),
         flooring.margin(rows, truth, scene.theta),
     )
-    result.pairs = pair_rows(scene, options)
+    result.pairs = pair_rows(scene, pairs, pair_truth, options)
     result.scaling = scale(result, options, lobes[len(lobes) // 2])
     if options["corners"]:
         result.corners = reaching.reach(over_roughness(scene, options, THETAS, "corners"))
@@ -136,9 +138,10 @@ def run(scene: Scene, options: dict[str, Any]) -> Result:
     return result
 
 
-def pair_rows(scene: Scene, options: dict[str, Any]) -> list[tabulating.Row]:
+def pair_rows(
+    scene: Scene, lobes: list[Lobe], truth: Reference, options: dict[str, Any]
+) -> list[tabulating.Row]:
     """Rows of a renderer's case: one pair of directions at a time."""
-    lobes = [lobe_directions(scene, theta, PAIRS, options["seed"]) for theta in scene.theta]
     settings = [
         replace(s, one_by_one=True) for s in one_each(options["method"], options["samples"])
     ]
@@ -147,7 +150,6 @@ def pair_rows(scene: Scene, options: dict[str, Any]) -> list[tabulating.Row]:
     )
     with Progress("pairs", protocol.replicates + 1, "rounds", options["quiet"]) as progress:
         series = measure(scene, settings, lobes, protocol, progress.advance)
-    truth = reference(scene, lobes, options["samples"], options["seed"])
     return tabulating.method_rows(scene, series, truth)
 
 
