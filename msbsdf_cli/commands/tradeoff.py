@@ -1,0 +1,125 @@
+"""`msbsdf tradeoff`"""
+
+from typing import Any
+
+import click
+
+from msbsdf_cli.options import MODEL, REPORT, RESOLUTION, Count, samples, use
+
+
+@click.command("tradeoff")
+@use("method", *(name for name in MODEL if name != "heights"), "orders")
+@samples("4096")
+@click.option(
+    "--replicates",
+    type=Count(4),
+    default="16",
+    show_default=True,
+    metavar="N",
+    help="Independent repetitions of each setting: they tell bias from noise, and time.",
+)
+@click.option(
+    "--directions",
+    type=Count(16),
+    default="256",
+    show_default=True,
+    metavar="N",
+    help="Outgoing directions that errors are measured in.",
+)
+@click.option("--qmc", is_flag=True, help="Scrambled Sobol points where a path starts.")
+@click.option(
+    "--corners",
+    is_flag=True,
+    help="Also the fastest method over roughness 0.1 to 1 and theta 0 to 1.5.",
+)
+@click.option(
+    "--claims",
+    is_flag=True,
+    help="Also what the papers say of noise: a slab's image over time, variance added.",
+)
+@click.option(
+    "--surfaces/--no-surfaces",
+    default=True,
+    show_default=True,
+    help="Trace explicit surfaces, for the distance of the models from them.",
+)
+@click.option(
+    "--rays",
+    type=Count(),
+    default="1e6",
+    show_default=True,
+    metavar="N",
+    help="Rays on the surfaces, for each incident angle.",
+)
+@use(*RESOLUTION, "seed", "threads", *REPORT)  # fmt: skip
+def command(**options: Any) -> None:
+    """Error against time for every method, on one chart.
+
+    Each method goes from few walks to --samples, solve from coarse to fine. Errors are measured
+    against the Smith model solved; how far that itself is from explicit surfaces is drawn as the
+    floor below which no effort on the model pays.
+    """
+    from msbsdf_cli.commands import common
+    from msbsdf_cli.report.directory import RUN, new_report, refuse_existing, write_csv, write_json
+    from msbsdf_cli.studies.recording import methods_record, now, show_json, stopwatch
+    from msbsdf_cli.studies.tradeoff.study import run
+
+    scene = common.scene_from(options)
+    options["method"] = common.methods_for(scene, options["method"])
+    out = common.out_directory("tradeoff", scene.slug(), options["out"])
+    refuse_existing(out, options["force"])
+    warnings = common.scene_warnings(options, work_s(options))
+    common.announce(warnings)
+    started, elapsed = now(), stopwatch()
+    with new_report(out) as draft:
+        result = run(scene, options)
+        common.announce(result.warnings)
+        walks = sum(s.setting.samples * len(s.seconds) for s in result.series)
+        warnings += result.warnings
+        record = methods_record("tradeoff", options, started, elapsed(), walks, warnings)
+        record |= result.record()
+        write_json(draft / RUN, record)
+        for name, table in result.tables().items():
+            write_csv(draft / name, table)
+        result.draw(draft)
+    if options["as_json"]:
+        show_json(record | {"report": str(out)})
+    elif not options["quiet"]:
+        show(result)
+        click.echo(f"Report: {out}")
+
+
+EVALUATIONS_PER_S = 2e7
+"""Rough rate of one core in walks times directions, for telling beforehand what takes long."""
+
+
+def work_s(options: dict[str, Any]) -> float:
+    """About how many seconds of one core this takes; timing runs on one, so all count."""
+    runs = len(options["theta"]) * len(options["method"]) * options["replicates"]
+    once = 4 / 3 * options["samples"] * options["directions"] / EVALUATIONS_PER_S
+    return float(runs * once * options["threads"])
+
+
+def show(result: Any) -> None:
+    """Print the dearest setting of each method, angle by angle, and what floors there are."""
+    from msbsdf_cli.report.terminal import measured, show_table
+
+    last = {(r.theta_i_rad, r.method): r for r in result.rows}
+    lines = [
+        (
+            f"{r.theta_i_rad:.4g}",
+            r.method,
+            measured(r.relative_rmse, r.relative_rmse_stderr),
+            f"{r.bias:.2g}" if r.bias_z > 3 or r.samples == 0 else "",
+            f"{r.seconds:.2g}",
+            f"{r.setup_s:.2g}" if r.setup_s > 1e-4 else "",
+            f"{r.efficiency_with_setup:.3g}",
+            f"{r.slope:.2f}",
+            f"{r.to_surfaces:.2g}",
+        )
+        for r in sorted(last.values(), key=lambda r: r.theta_i_rad)
+    ]
+    header = ("theta", "method", "relative RMSE", "bias", "seconds", "set-up", "efficiency")
+    show_table((*header, "slope", "to surfaces"), lines)
+    for sentence in result.sentences():
+        click.echo(sentence)

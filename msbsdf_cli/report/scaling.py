@@ -1,0 +1,130 @@
+"""scaling.png and corners.png: how times grow, and who is the fastest where."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.ticker import NullFormatter
+
+from msbsdf_cli.report.style import panels, plt, save
+from msbsdf_cli.report.tradeoff import LOOKS
+from msbsdf_cli.studies.tradeoff.reach import Reach
+from msbsdf_cli.studies.tradeoff.scaling import Scaling
+
+AXES = {
+    "samples": "walks",
+    "threads": "processes",
+    "orders": "orders told apart",
+    "roughness": "roughness alpha",
+}
+
+
+def draw_scaling(rows: list[Scaling], path: Path) -> None:
+    """A column for each parameter: seconds above, and below what they buy. Times are those after
+    set-up, with quartiles; over samples at the first angle."""
+    figure, axes = panels(2, [2.5] * len(AXES), 2.1, (0.55, 0.6))
+    for column, (parameter, label) in enumerate(AXES.items()):
+        mine = [r for r in rows if r.parameter == parameter]
+        first = next((r.theta_i_rad for r in mine), 0.0)
+        mine = [r for r in mine if r.theta_i_rad == first]
+        upper, lower = axes[:, column]
+        for method in dict.fromkeys(r.method for r in mine):
+            line = _cheapest_of_each([r for r in mine if r.method == method])
+            _draw_times(upper, line)
+            _draw_worth(lower, line, parameter)
+        for axis in (upper, lower):
+            axis.set_xscale("log", base=10 if parameter in ("samples", "roughness") else 2)
+            axis.xaxis.set_minor_formatter(NullFormatter())
+            axis.set_xlabel(label, labelpad=1)
+        upper.set_yscale("log")
+        upper.set_title(f"over {label}, theta_i = {first:.4g}")
+        lower.set_yscale("linear" if parameter in ("threads", "orders") else "log")
+        lower.set_ylabel(
+            {"threads": "speed over one process", "orders": "time over that of 1 order"}.get(
+                parameter, "relative RMSE"
+            )
+        )
+    axes[0, 0].set_ylabel("seconds")
+    handles: dict[str, Any] = {}
+    for axis in axes.flat:
+        lines, names = axis.get_legend_handles_labels()
+        handles |= dict(zip(names, lines, strict=True))
+    figure.legend(handles.values(), handles.keys(), loc="upper left", ncols=5)
+    save(figure, path)
+
+
+def _cheapest_of_each(rows: list[Scaling]) -> list[Scaling]:
+    """One row for each value: of several numbers of walks the largest, of resolutions the last."""
+    last = {r.value: r for r in rows}
+    return [last[value] for value in sorted(last)]
+
+
+def _draw_times(axis: Any, line: list[Scaling]) -> None:
+    colour, marker = LOOKS[line[0].method]
+    y = np.array([r.seconds for r in line])
+    low, high = (np.array([getattr(r, f"seconds_{end}") for r in line]) for end in ("low", "high"))
+    axis.errorbar(
+        [r.value for r in line],
+        y,
+        [np.maximum(y - low, 0), np.maximum(high - y, 0)],
+        fmt=marker + "-",
+        ms=3.5,
+        color=colour,
+        elinewidth=0.7,
+        label=line[0].method,
+    )
+
+
+def _draw_worth(axis: Any, line: list[Scaling], parameter: str) -> None:
+    colour, marker = LOOKS[line[0].method]
+    x = np.array([r.value for r in line])
+    seconds = np.array([r.seconds for r in line])
+    if parameter == "threads":
+        y, error = seconds[0] / seconds, None
+        axis.plot(x, x / x[0], color="0.8", lw=0.8)
+    elif parameter == "orders":
+        y, error = seconds / seconds[0], None
+    else:
+        y = np.array([r.relative_rmse for r in line])
+        error = np.minimum([r.relative_rmse_stderr for r in line], 0.9 * y)
+    axis.errorbar(x, y, error, fmt=marker + "-", ms=3.5, color=colour, elinewidth=0.7)
+
+
+def draw_corners(found: list[Reach], path: Path) -> None:
+    """For each wanted error a table of roughness and angle: the fastest method, how many times
+    faster than the walk it is, set-up included, and in brackets after set-up."""
+    errors = list(dict.fromkeys(r.relative_rmse for r in found))
+    alphas = sorted({r.alpha_x for r in found})
+    thetas = sorted({r.theta_i_rad for r in found})
+    figure, axes = panels(1, [0.62 * len(thetas)] * len(errors), 0.62 * len(alphas), (0.35, 0.3))
+    for axis, error in zip(axes[0], errors, strict=True):
+        for i, alpha in enumerate(alphas):
+            for j, theta in enumerate(thetas):
+                here = [
+                    r
+                    for r in found
+                    if (r.relative_rmse, r.alpha_x, r.theta_i_rad) == (error, alpha, theta)
+                ]
+                _draw_corner(axis, i, j, here)
+        axis.set_xticks(range(len(thetas)), [f"{t:.4g}" for t in thetas])
+        axis.set_yticks(range(len(alphas)), [f"{a:g}" for a in alphas])
+        axis.set_xlim(-0.5, len(thetas) - 0.5)
+        axis.set_ylim(-0.5, len(alphas) - 0.5)
+        axis.grid(False)
+        axis.set_title(f"to {error:.1%}")
+        axis.set_xlabel("theta_i", labelpad=1)
+    axes[0, 0].set_ylabel("alpha")
+    names = dict.fromkeys(r.method for r in found)
+    handles = [plt.Rectangle((0, 0), 1, 1, color=LOOKS[n][0], alpha=0.6, label=n) for n in names]
+    figure.legend(handles=handles, loc="upper left", ncols=len(handles))
+    save(figure, path)
+
+
+def _draw_corner(axis: Any, i: int, j: int, here: list[Reach]) -> None:
+    best = next((r for r in here if r.best), None)
+    if best is None:
+        return
+    square = (j - 0.48, i - 0.48)
+    axis.add_patch(plt.Rectangle(square, 0.96, 0.96, color=LOOKS[best.method][0], alpha=0.6, lw=0))
+    text = f"{best.gain:.2g}x\n({best.gain_after_setup:.2g}x)"
+    axis.text(j, i, text, ha="center", va="center", fontsize=6)

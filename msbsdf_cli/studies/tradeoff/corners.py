@@ -1,0 +1,64 @@
+"""The same question over roughness and angle: who is the fastest to a given error."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.studies.tradeoff.directions import lobe_directions
+from msbsdf_cli.studies.tradeoff.measuring import RESOLUTIONS, Protocol, Setting, measure
+from msbsdf_cli.studies.tradeoff.reach import Reach
+from msbsdf_cli.studies.tradeoff.reference import reference
+from msbsdf_cli.studies.tradeoff.rows import Row, method_rows
+from msbsdf_cli.studies.tradeoff.scaling import SAMPLES, one_each
+
+ALPHAS = (0.1, 0.2, 0.5, 1.0)
+"""Larger of the two roughnesses; the scene's ratio of the two stays."""
+
+THETAS = (0.0, 0.5, 1.0, 1.5)
+
+REPLICATES = 8
+
+DIRECTIONS = 64
+"""At most: there are many lobes to measure."""
+
+FEW = 16
+"""Walks of the shortest run, below which no time is claimed."""
+
+
+def unbeaten(found: list[Reach]) -> list[str]:
+    """Where nobody is faster than the walk, and the least gain of the fastest elsewhere."""
+    said = []
+    for error in dict.fromkeys(r.relative_rmse for r in found):
+        best = [r for r in found if r.relative_rmse == error and r.best]
+        walk = [f"alpha {r.alpha_x:g} theta {r.theta_i_rad:g}" for r in best if r.method == "walk"]
+        gains = [r.gain for r in best if r.method != "walk" and r.gain < float("inf")]
+        others = f"elsewhere the fastest gains at least {min(gains):.2g}x" if gains else ""
+        where = "; ".join(walk) or "nowhere"
+        said.append(f"Corners where walk is the fastest to {error:.1%}: {where}. {others}".strip())
+    return said
+
+
+def corner_rows(
+    scene: Scene,
+    methods: tuple[str, ...],
+    thetas: tuple[float, ...],
+    directions: int,
+    protocol: Protocol,
+    advance: Callable[[float], None] = lambda amount: None,
+) -> list[Row]:
+    """Rows as those of the chart, for all roughnesses and the angles given: walks at the least
+    and at one usual number, and all resolutions of `solve`."""
+    usual = [s for s in one_each(methods) if s.method != "solve"]
+    settings = [replace(s, samples=FEW) for s in usual if s.samples] + usual
+    settings += [Setting("solve", resolution=r) for r in RESOLUTIONS if "solve" in methods]
+    directions = min(directions, DIRECTIONS)
+    rows = []
+    for alpha in ALPHAS:
+        scale = alpha / max(scene.alpha)
+        there = replace(scene, alpha=(scale * scene.alpha[0], scale * scene.alpha[1]), theta=thetas)
+        lobes = [lobe_directions(there, theta, directions, protocol.seed) for theta in thetas]
+        truth = reference(there, lobes, SAMPLES, protocol.seed)
+        few = replace(protocol, replicates=min(protocol.replicates, REPLICATES))
+        rows += method_rows(there, measure(there, settings, lobes, few), truth)
+        advance(1)
+    return rows

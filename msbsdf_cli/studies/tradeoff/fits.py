@@ -1,0 +1,65 @@
+"""What a set of points of error and time says: slopes, the Pareto front, ranks."""
+
+import numpy as np
+
+from surfaces.facet import Array
+
+RESAMPLES = 200
+
+
+def slope(x: Array, y: Array, y_stderr: Array) -> tuple[float, float]:
+    """Slope of log y over log x and its standard error, weighted by the errors of y; where points
+    scatter more than these explain, the error is larger accordingly. Not a number for fewer than
+    two points."""
+    good = (x > 0) & (y > 0) & np.isfinite(y_stderr)
+    x, y, y_stderr = x[good], y[good], y_stderr[good]
+    if len(x) < 2 or np.ptp(np.log(x)) == 0:
+        return np.nan, np.nan
+    sigma = np.maximum(y_stderr / y, 1e-6)
+    weight = 1 / sigma**2
+    u, v = np.log(x), np.log(y)
+    u_mean, v_mean = np.average(u, weights=weight), np.average(v, weights=weight)
+    spread = (weight * (u - u_mean) ** 2).sum()
+    value = (weight * (u - u_mean) * (v - v_mean)).sum() / spread
+    if len(x) == 2:
+        return float(value), float(np.sqrt(1 / spread))
+    left = (weight * (v - v_mean - value * (u - u_mean)) ** 2).sum() / (len(x) - 2)
+    return float(value), float(np.sqrt(max(left, 1) / spread))
+
+
+def pareto(seconds: Array, error: Array) -> Array:
+    """Who (n,) is beaten by nobody: no other point is at least as fast and as right, and better in
+    one of the two."""
+    faster = seconds[:, None] <= seconds
+    better = error[:, None] <= error
+    strictly = (seconds[:, None] < seconds) | (error[:, None] < error)
+    beaten = (faster & better & strictly).any(axis=0)
+    return ~beaten & np.isfinite(error) & np.isfinite(seconds)
+
+
+def ranks(efficiency: Array) -> Array:
+    """Ranks (n,), 1 for the most efficient; along the last axis."""
+    order = np.argsort(-efficiency, axis=-1, kind="stable")
+    place = np.empty_like(order)
+    np.put_along_axis(place, order, np.arange(1, efficiency.shape[-1] + 1), axis=-1)
+    return place
+
+
+def rank_stability(
+    squares: list[Array], seconds: list[Array], rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Ranks (n,) of methods by efficiency, and how often each keeps its own when the repetitions
+    are drawn again: squared errors and seconds of each repetition of each method."""
+    first = ranks(np.array([_efficiency(e, s) for e, s in zip(squares, seconds, strict=True)]))
+    again = np.empty((RESAMPLES, len(squares)))
+    for i, (e, s) in enumerate(zip(squares, seconds, strict=True)):
+        for k in range(RESAMPLES):
+            again[k, i] = _efficiency(
+                e[rng.integers(len(e), size=len(e))], s[rng.integers(len(s), size=len(s))]
+            )
+    return first, (ranks(again) == first).mean(axis=0)
+
+
+def _efficiency(squares: Array, seconds: Array) -> float:
+    with np.errstate(divide="ignore"):
+        return float(1 / (squares.mean() * np.median(seconds)))

@@ -1,0 +1,100 @@
+"""What the methods are judged by: the Smith model, better known than any of them knows it."""
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.studies.tradeoff.directions import Lobe
+from msbsdf_cli.studies.tradeoff.errors import inner_products, taken_apart
+from surfaces.facet import Array
+
+RESOLUTIONS = (0.6, 0.8, 1.0)
+"""Of `solve`, tried in turn; 1 is what the method itself takes for enough."""
+
+ENOUGH = 1e-6
+"""Wanted relative error of a solved reference: a hundred times below what is worth a chart."""
+
+PARTS = 8
+"""Independent parts of a reference by chance; their spread is its noise."""
+
+MORE_WALKS = 32
+"""Walks of a reference by chance for one of the dearest setting it judges: if that has no less
+variance, it is sqrt(MORE_WALKS), nearly 6 times, further from the truth."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Values (channels, orders + 1, n) for each lobe, and how far they may be from the truth."""
+
+    method: str
+    resolution: float
+    """Of `solve`; not a number for another method."""
+    values: list[Array]
+    noise: list[float]
+    """Relative error of the sum over orders: for `solve` the difference of two resolutions."""
+    seconds: float
+
+
+def reference(scene: Scene, lobes: list[Lobe], samples: int, seed: int) -> Reference:
+    """By `solve`, ever finer until its own estimate is below `ENOUGH`; where it does not hold, by
+    many walks from both ends."""
+    started = time.perf_counter()
+    try:
+        Solve.refuse(scene.distribution(), scene.facets())
+    except NotForThis:
+        values, noise = _by_chance(scene, lobes, MORE_WALKS * samples, seed)
+        return Reference("walk-low-variance", np.nan, values, noise, time.perf_counter() - started)
+    for resolution in RESOLUTIONS:
+        solve = Solve(scene.distribution(), scene.facets(), scene.orders, resolution)
+        found = [solve.evaluate(lobe.wi, lobe.wo) for lobe in lobes]
+        fine = [e.value for e in found]
+        # Errors of orders need not have one sign: their sum is an upper bound.
+        noise = [
+            relative(e.stderr, e.value, o.solid_angle) for e, o in zip(found, lobes, strict=True)
+        ]
+        if max(noise) < ENOUGH:
+            break
+    return Reference("solve", resolution, fine, noise, time.perf_counter() - started)
+
+
+def references(
+    scene: Scene, lobes: list[Lobe], others: list[Lobe], samples: int, seed: int
+) -> tuple[Reference, Reference]:
+    """References for two sets of lobes, set up once."""
+    both = reference(scene, [*lobes, *others], samples, seed)
+    n = len(lobes)
+    first, second = (
+        replace(both, values=both.values[part], noise=both.noise[part])
+        for part in (slice(n), slice(n, None))
+    )
+    return first, second
+
+
+def relative(difference: Array, truth: Array, weight: Array) -> float:
+    """Root mean square over directions of orders' `difference`, over that of the truth."""
+    over, under = (float((a.sum(axis=1) ** 2 * weight).sum()) for a in (difference, truth))
+    return float(np.sqrt(over / under))
+
+
+def _by_chance(
+    scene: Scene, lobes: list[Lobe], samples: int, seed: int
+) -> tuple[list[Array], list[float]]:
+    method = METHODS["walk-low-variance"](scene.distribution(), scene.facets(), scene.orders)
+    values, noise = [], []
+    for i, lobe in enumerate(lobes):
+        rng = np.random.Generator(np.random.SFC64([seed, i, 0x4EF]))
+        size = max(2, samples // PARTS)
+        parts = np.stack([method.evaluate(lobe.wi, lobe.wo, size, rng).value for _ in range(PARTS)])
+        mean = parts.mean(axis=0)
+        gram = inner_products((parts - mean).sum(axis=2), lobe.solid_angle)
+        scale = (mean.sum(axis=1) ** 2 * lobe.solid_angle).sum()
+        # Deviations from their own mean: r - 1 of r are free.
+        variance = taken_apart(gram).total * PARTS / (PARTS - 1) / PARTS
+        values.append(mean)
+        noise.append(float(np.sqrt(variance / scale)))
+    return values, noise

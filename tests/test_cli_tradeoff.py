@@ -1,0 +1,85 @@
+"""`msbsdf tradeoff` as a user meets it."""
+
+import csv
+import json
+import subprocess
+import sys
+
+import pytest
+
+RUN = [sys.executable, "-c", "from msbsdf_cli.cli import main; main()", "tradeoff"]
+QUICK = ["--theta", "0.5", "--samples", "64", "--replicates", "4", "--directions", "16"]
+SURFACES = ["--rays", "2e3", "--cells", "4", "--extent", "8", "--realisations", "8"]
+CONTRACT = [
+    *("method", "material", "slopes", "alpha_x", "alpha_y", "theta_i_rad", "samples"),
+    *("seconds", "relative_rmse", "bias", "efficiency", "slope"),
+]
+
+
+def tradeoff(*words):
+    return subprocess.run([*RUN, *map(str, words)], capture_output=True, text=True)
+
+
+def table(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_report_holds_what_the_contract_says(tmp_path):
+    out = tmp_path / "report"
+    methods = "single,walk,exact,solve"
+    result = tradeoff(*QUICK, *SURFACES, "--method", methods, "--out", out, "--json")
+    assert result.returncode == 0, result.stderr
+    record = json.loads(result.stdout)
+    assert record["command"] == "tradeoff"
+    assert record["reference"]["margin"] > 3
+    rows = table(out / "tradeoff.csv")
+    assert list(rows[0])[: len(CONTRACT)] == CONTRACT
+    assert {r["method"] for r in rows} == {*methods.split(","), "simulate"}
+    for r in rows:
+        rmse, seconds = float(r["relative_rmse"]), float(r["seconds"])
+        assert float(r["efficiency"]) == pytest.approx(1 / (rmse**2 * seconds))
+    assert any(r["pareto"] == "True" for r in rows)
+    floors = table(out / "floors.csv")
+    assert {(r["floor"], r["model"]) for r in floors} >= {
+        ("reference", "smith"), ("model", "smith"), ("model", "single"), ("surfaces", "surfaces"),
+    }  # fmt: skip
+    parameters = {r["parameter"] for r in table(out / "scaling.csv")}
+    assert parameters == {"samples", "threads", "orders", "roughness"}
+    assert {"reach.csv", "pairs.csv", "run.json"} <= {p.name for p in out.iterdir()}
+    for name in ("tradeoff.png", "scaling.png"):
+        assert (out / name).stat().st_size > 10_000
+    refused = tradeoff(*QUICK, "--out", out)
+    assert refused.returncode == 2
+    assert "--force" in refused.stderr
+
+
+def test_dielectrics_and_ggx_with_quasirandom_points_and_no_surfaces(tmp_path):
+    words = ["--material", "dielectric", "--slopes", "ggx", "--method", "walk,walk-low-variance"]
+    result = tradeoff(*QUICK, *words, "--alpha", "0.6,0.4", "--qmc", "--out", tmp_path / "r")
+    assert result.returncode == 0, result.stderr
+    assert "GGX" in result.stderr
+    assert not any(r["method"] == "simulate" for r in table(tmp_path / "r" / "tradeoff.csv"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["--replicates", "1"], ["--directions", "3"], ["--rays", "0"], ["--method", "guess"]],
+)
+def test_bad_input_is_refused_in_a_sentence(words, tmp_path):
+    result = tradeoff(*words, "--out", tmp_path / "r")
+    assert result.returncode == 2
+    assert words[0] in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not (tmp_path / "r").exists()
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; from click.testing import CliRunner; from msbsdf_cli.cli import group\n"
+        "CliRunner().invoke(group, ['tradeoff', '--help'])\n"
+        "heavy = {'numpy', 'scipy', 'matplotlib', 'trimesh', 'embreex'} & set(sys.modules)\n"
+        "sys.exit(', '.join(heavy) or 0)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
