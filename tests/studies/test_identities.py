@@ -10,6 +10,7 @@ from msbsdf_cli.methods import segments, single, walk
 from msbsdf_cli.methods.energy_compensated import EnergyCompensated
 from msbsdf_cli.methods.position_free import PositionFree
 from msbsdf_cli.methods.single import Single
+from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.smith import kernel, slopes
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.smith.heights import Gaussian
@@ -23,6 +24,7 @@ from msbsdf_cli.studies.identities import (
     phase,
     position_free,
     reciprocity,
+    solved,
     visible_normals,
 )
 from msbsdf_cli.studies.identities.configurations import Configuration
@@ -236,7 +238,41 @@ def lambda_below(monkeypatch):
     monkeypatch.setattr(position_free, "Lambda", lambda s, w: right(s, w * np.sign(w[2])))
 
 
+def unbalanced(monkeypatch):
+    """Energies that a solution forgets to normalise."""
+    right = Solve.energy
+
+    def bent(self, wi):
+        found = right(self, wi)
+        return replace(found, reflected=1.001 * found.reflected)
+
+    monkeypatch.setattr(Solve, "energy", bent)
+
+
+def one_way(monkeypatch):
+    """Values that depend on where light comes from."""
+    right = Solve.evaluate
+
+    def bent(self, wi, wo, *args):
+        found = right(self, wi, wo, *args)
+        return replace(found, value=found.value * (1 + 1e-3 * wi[2]))
+
+    monkeypatch.setattr(Solve, "evaluate", bent)
+
+
+SOLVED = solved.hard()[0]
+
 PERTURBATIONS = [
+    (unbalanced, solved.solved, SOLVED, 1000, "energy, without noise"),
+    (one_way, solved.solved, SOLVED, 1000, "reciprocity, without noise"),
+    (one_way, solved.solved, SOLVED, 1000, "first order, without noise"),
+    (
+        flip_nothing,
+        solved.solved,
+        solved.hard()[2],
+        20_000,
+        "energies of orders, walk against solve",
+    ),
     # what is bent, the identity that guards it, where, samples, and what must fail
     (bend_lambda, free_paths.extinction, ABOVE, 1, "projected area"),
     (bend_lambda, intersection.masking, ABOVE, 4_000_000, "masking"),

@@ -18,6 +18,7 @@ from msbsdf_cli.studies.identities import (
     phase,
     position_free,
     reciprocity,
+    solved,
     visible_normals,
 )
 from msbsdf_cli.studies.identities.configurations import Configuration
@@ -31,6 +32,7 @@ SECTIONS = (
     phase,
     bsdf,
     reciprocity,
+    solved,
     height_walk,
     position_free,
     histogram,
