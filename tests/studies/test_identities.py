@@ -27,8 +27,9 @@ from msbsdf_cli.studies.identities import (
     solved,
     visible_normals,
 )
+from msbsdf_cli.studies.identities.batches import of_batches, of_two
 from msbsdf_cli.studies.identities.configurations import Configuration
-from msbsdf_cli.studies.identities.evidence import ChiSquare, Exact, Mean, Share, of_two
+from msbsdf_cli.studies.identities.evidence import ChiSquare, Exact, Mean, Share
 from msbsdf_cli.studies.identities.verdicts import (
     FAILS_AS_EXPECTED,
     Finding,
@@ -567,3 +568,15 @@ def test_differences_of_batches_have_the_right_error():
     rng = np.random.default_rng(4)
     p = [of_two(rng.normal(size=32), rng.normal(scale=5, size=32)).p_value() for _ in range(300)]
     assert stats.kstest(p, "uniform").pvalue > 1e-3
+
+
+def test_means_of_skewed_batches_fail_as_often_as_said():
+    # Exponential batches: without the correction, one in a hundred below would be three.
+    rng = np.random.default_rng(6)
+    batches = rng.exponential(size=(20_000, 128)) ** 1.5
+    mean = 1.329340388179137  # Gamma(5 / 2)
+    corrected = [of_batches(mean, row) for row in batches]
+    p = np.array([evidence.p_value() for evidence in corrected])
+    plain = np.array([replace(evidence, skewness=0.0).p_value() for evidence in corrected])
+    assert np.mean(p < 0.001) < 0.5 * np.mean(plain < 0.001)
+    assert np.mean(p < 0.01) < 0.014

@@ -10,13 +10,14 @@ from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.single import phase_density
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.studies.identities import reference
+from msbsdf_cli.studies.identities.batches import of_batches, of_two
 from msbsdf_cli.studies.identities.claims import CLAIMS
 from msbsdf_cli.studies.identities.configurations import (
     GRAZING,
     Configuration,
     random_above,
 )
-from msbsdf_cli.studies.identities.evidence import Evidence, Exact, of_batches, of_two
+from msbsdf_cli.studies.identities.evidence import Evidence, Exact
 from msbsdf_cli.studies.identities.identity import Identity
 from msbsdf_cli.studies.identities.phase import BATCHES
 from msbsdf_cli.studies.identities.verdicts import Finding

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from msbsdf_cli.studies.identities import reference
+from msbsdf_cli.studies.identities.batches import of_batches
 from msbsdf_cli.studies.identities.configurations import GRAZING, Configuration
-from msbsdf_cli.studies.identities.evidence import of_batches
 from msbsdf_cli.studies.identities.identity import Identity
 from msbsdf_cli.studies.identities.verdicts import AGREEMENT, Finding
 from msbsdf_cli.studies.identities.visible_normals import MOMENTS, moments, quadrature_moments

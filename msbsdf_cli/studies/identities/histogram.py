@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.studies.identities.batches import of_batches
 from msbsdf_cli.studies.identities.claims import CLAIMS
 from msbsdf_cli.studies.identities.configurations import Configuration
-from msbsdf_cli.studies.identities.evidence import of_batches
 from msbsdf_cli.studies.identities.identity import Identity
 from msbsdf_cli.studies.identities.verdicts import FAILS_AS_EXPECTED, HOLDS, Finding
 

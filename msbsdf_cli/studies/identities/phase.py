@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from msbsdf_cli.smith.kernel import scatter_density
+from msbsdf_cli.studies.identities.batches import of_batches, of_two
 from msbsdf_cli.studies.identities.configurations import (
     IOR,
     Configuration,
     random_anywhere,
     random_direction,
 )
-from msbsdf_cli.studies.identities.evidence import Exact, of_batches, of_two
+from msbsdf_cli.studies.identities.evidence import Exact
 from msbsdf_cli.studies.identities.identity import Identity
 from msbsdf_cli.studies.identities.reference import SEEN, projected_area
 from msbsdf_cli.studies.identities.verdicts import Finding

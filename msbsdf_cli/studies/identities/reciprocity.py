@@ -8,10 +8,11 @@ from numpy.random import Generator
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.walk import random_walk
+from msbsdf_cli.studies.identities.batches import of_two
 from msbsdf_cli.studies.identities.bsdf import LIT, ORDERS, angles, drawn, hard, made
 from msbsdf_cli.studies.identities.claims import CLAIMS
 from msbsdf_cli.studies.identities.configurations import IOR, Configuration
-from msbsdf_cli.studies.identities.evidence import Evidence, Exact, of_two
+from msbsdf_cli.studies.identities.evidence import Evidence, Exact
 from msbsdf_cli.studies.identities.identity import Identity
 from msbsdf_cli.studies.identities.phase import BATCHES
 from msbsdf_cli.studies.identities.verdicts import FAILS_AS_EXPECTED, Finding
