@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from msbsdf_cli.report.directory import Table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.reference import Reference
@@ -43,11 +45,11 @@ def floors(
 def margin(rows: list[Row], truth: Reference, theta: tuple[float, ...]) -> float:
     """Least ratio, over angles, of the smallest error that is judged to that of the reference."""
     ratios = [
-        min(r.relative_rmse for r in rows if r.theta_i_rad == t and r.reference == "smith")
+        np.nanmin([r.relative_rmse for r in rows if r.theta_i_rad == t and r.reference == "smith"])
         / max(noise, 1e-300)
         for t, noise in zip(theta, truth.noise, strict=True)
     ]
-    return min(ratios)
+    return float(min(ratios))
 
 
 def table(rows: list[Floor]) -> Table:

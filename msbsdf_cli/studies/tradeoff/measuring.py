@@ -30,6 +30,10 @@ DETERMINISTIC_RUNS = 5
 """Timed runs of a method without noise: more would tell no more about its error."""
 
 
+SLOW_S = 0.3
+"""After so many seconds two runs have to do for it."""
+
+
 @dataclass(frozen=True)
 class Setting:
     """A method and how much it is to do."""
@@ -148,8 +152,8 @@ def measure(
         order = np.random.default_rng([protocol.seed, r + 1]).permutation(len(series))
         for i in order:
             one = series[i]
-            if one.setting.deterministic and r >= DETERMINISTIC_RUNS:
-                continue
+            if one.setting.deterministic and (r < 0 or enough(one.seconds)):
+                continue  # Its set-up was its first run.
             place = [protocol.seed, i, r + 1]
             value, seconds = timed(methods[i], one.setting.samples, one.lobe, place, protocol.qmc)
             if r >= 0:
@@ -158,6 +162,12 @@ def measure(
                     one.values.append(value)
         advance(1)
     return series
+
+
+def enough(seconds: list[float]) -> bool:
+    """Whether a method without noise was timed often enough."""
+    slow = len(seconds) > 1 and sum(seconds) > SLOW_S
+    return slow or len(seconds) >= DETERMINISTIC_RUNS
 
 
 def timed(
@@ -187,4 +197,6 @@ def set_up(setting: Setting, scene: Scene, lobe: Lobe) -> tuple[Method, tuple[fl
             first, second = (timed(method, 1, one, [0], False)[1] for _ in range(2))
             made += max(first - second, 0.0)
         seconds.append(made)
+        if sum(seconds) > SLOW_S:
+            break
     return method, quartiles(seconds)
