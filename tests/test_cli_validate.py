@@ -72,7 +72,7 @@ def test_the_table_is_what_the_contract_says(report):
 
 def test_a_bent_program_ends_with_status_3(tmp_path):
     out = tmp_path / "r"
-    result = msbsdf(*FEW, "--threads", 1, "--out", out, before=BENT)
+    result = msbsdf(*FEW, "--out", out, before=BENT)
     assert result.returncode == 3, result.stderr
     assert "Traceback" not in result.stderr
     failed = {row["identity"] for row in rows(out) if row["verdict"] == "fails"}

@@ -516,6 +516,12 @@ def test_what_must_fail_is_held_to_it():
     assert [row.failed for row in judge([far, near], 1e-3)] == [False, True]
 
 
+def test_a_constant_is_its_own_mean():
+    # GGX of roughness 1, seen from the zenith, scatters evenly: nothing is left but rounding.
+    assert of_batches(1.0, np.full(8, 1 - 1e-16)).p_value() == 1
+    assert of_batches(1.0, np.full(8, 1 - 1e-9)).p_value() == 0
+
+
 def test_what_is_not_a_number_fails():
     rows = judge([finding(Exact(1.0, np.nan, 1.0, "")), finding(Mean(0.0, np.nan, 1.0, 9))], 1e-3)
     assert all(row.failed for row in rows)

@@ -23,6 +23,10 @@ LEAST_EXPECTED = 10.0
 chi-square distributed."""
 
 
+ROUNDING = 1e-12
+"""Relative rounding of a mean."""
+
+
 class Evidence(Protocol):
     """A measured figure beside the expected one."""
 
@@ -82,10 +86,10 @@ class Mean:
 
     def p_value(self) -> float | None:
         deviation = self.measured - self.expected
-        beyond = np.copysign(max(abs(deviation) - self.slack, 0.0), deviation)
+        beyond = np.copysign(max(abs(deviation) - self._room, 0.0), deviation)
         if self.stderr == 0:
             return 1.0 if beyond == 0 else 0.0
-        if beyond == 0 and self.slack:
+        if beyond == 0:
             return 1.0
         t = self._unskewed(beyond / self.stderr)
         return float(min(2 * stats.t.sf(abs(t), self.df), 1.0))
@@ -93,10 +97,15 @@ class Mean:
     def tolerance(self, level: float) -> float:
         side = np.copysign(1.0, self.measured - self.expected)
         cut = side * float(stats.t.isf(level / 2, self.df))
-        return self.slack + abs(self._skewed(cut)) * self.stderr
+        return self._room + abs(self._skewed(cut)) * self.stderr
 
     def detectable(self, level: float) -> float:
         return self.tolerance(level) + float(stats.norm.ppf(FOUND)) * self.stderr
+
+    @property
+    def _room(self) -> float:
+        """The slack, and rounding, which is all the noise of an integrand that is constant."""
+        return self.slack + ROUNDING * abs(self.expected)
 
     def _unskewed(self, t: float) -> float:
         g = self.skewness
