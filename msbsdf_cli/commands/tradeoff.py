@@ -92,12 +92,19 @@ def command(**options: Any) -> None:
 EVALUATIONS_PER_S = 2e7
 """Rough rate of one core in walks times directions, for telling beforehand what takes long."""
 
+FIRST_ORDER_S = 4e-4
+"""Of one direction of diffuse facets, whose first bounce is a quadrature in every evaluation."""
+
+SETTINGS = 5
+"""Of a method, about."""
+
 
 def work_s(options: dict[str, Any]) -> float:
     """About how many seconds of one core this takes; timing runs on one, so all count."""
     runs = len(options["theta"]) * len(options["method"]) * options["replicates"]
-    once = 4 / 3 * options["samples"] * options["directions"] / EVALUATIONS_PER_S
-    return float(runs * once * options["threads"])
+    walks = 4 / 3 * options["samples"] * options["directions"] / EVALUATIONS_PER_S
+    first = FIRST_ORDER_S * options["directions"] if options["material"] == "diffuse" else 0.0
+    return float(runs * (walks + SETTINGS * first) * options["threads"])
 
 
 def show(result: Any) -> None:
