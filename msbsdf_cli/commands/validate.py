@@ -8,7 +8,7 @@ import click
 
 from msbsdf_cli.options import REPORT, Count, use
 
-SAMPLES, QUICK_SAMPLES = 2_000_000, 100_000
+SAMPLES, QUICK_SAMPLES = 2_000_000, 50_000
 
 
 @click.command("validate")

@@ -74,10 +74,12 @@ def _level(noisy: list[Any]) -> float:
 def _by_identity(axis: Any, rows: list[Any], names: list[str]) -> None:
     place = {name: i for i, name in enumerate(names)}
     kinds = {"holds": (COLOURS[0], "o"), "fails as expected": (COLOURS[2], "v")}
-    for row in rows:
-        colour, marker = kinds.get(row.verdict, (COLOURS[1], "s"))
-        z = float(np.clip(row.z, -SHOWN, SHOWN))
-        axis.plot(z, place[row.finding.identity], marker, ms=2.2, color=colour, alpha=0.6)
+    for verdict in dict.fromkeys(r.verdict for r in rows):
+        colour, marker = kinds.get(verdict, (COLOURS[1], "s"))
+        mine = [r for r in rows if r.verdict == verdict]
+        z = np.clip([r.z for r in mine], -SHOWN, SHOWN)
+        y = [place[r.finding.identity] for r in mine]
+        axis.plot(z, y, marker, ms=2.2, color=colour, alpha=0.6)
     axis.set_xlim(-SHOWN - 0.5, SHOWN + 0.5)
     axis.axvline(0, color="0.5", lw=0.6)
     axis.set_xlabel(f"z-score (beyond {SHOWN:g} at the edge)")
@@ -88,19 +90,22 @@ def _by_identity(axis: Any, rows: list[Any], names: list[str]) -> None:
 
 def _tolerances(axis: Any, rows: list[Any], names: list[str]) -> None:
     place = {name: i for i, name in enumerate(names)}
-    for row in rows:
-        evidence = row.finding.evidence
-        apart = abs(evidence.measured - evidence.expected)
-        share = apart / row.tolerance if row.tolerance > 0 else float(apart > 0) * 10
-        colour = COLOURS[1] if row.failed else COLOURS[0]
-        share = float(np.clip(share, 1e-4, 1e3))
-        axis.plot(share, place[row.finding.identity], "o", ms=2.2, color=colour, alpha=0.6)
+    for failed, colour in ((False, COLOURS[0]), (True, COLOURS[1])):
+        mine = [r for r in rows if r.failed == failed]
+        share = np.clip([_share_of_tolerance(r) for r in mine], 1e-4, 1e3)
+        y = [place[r.finding.identity] for r in mine]
+        axis.plot(share, y, "o", ms=2.2, color=colour, alpha=0.6)
     axis.axvline(1, color=COLOURS[1], lw=0.8, ls="--")
     axis.set_xscale("log")
     axis.set_yticks([])
     axis.set_ylim(len(names), -1)
     axis.set_xlabel("deviation / tolerance")
     axis.set_title("without noise")
+
+
+def _share_of_tolerance(row: Any) -> float:
+    apart = abs(row.finding.evidence.measured - row.finding.evidence.expected)
+    return apart / row.tolerance if row.tolerance > 0 else float(apart > 0) * 10
 
 
 def draw_reciprocity(rows: list[Any], path: Path) -> None:

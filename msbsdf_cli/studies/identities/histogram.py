@@ -12,7 +12,7 @@ from msbsdf_cli.studies.identities.configurations import Configuration
 from msbsdf_cli.studies.identities.identity import Identity
 from msbsdf_cli.studies.identities.verdicts import FAILS_AS_EXPECTED, HOLDS, Finding
 
-PAIRS = 800
+PAIRS = 500
 
 LEAST_COSINE = 0.15
 """Directions further up are well lit, and their estimates nearly normal."""

@@ -28,7 +28,7 @@ COPPER = (1.02, 2.577)
 DIFFUSE_ERROR = 1e-6
 """Of the quadrature behind diffuse facets, over the largest value; see `smith.lune`."""
 
-PAIRS = 256
+PAIRS = 128
 """Pairs of directions for reciprocity."""
 
 
@@ -45,7 +45,7 @@ def phase_moments(c: Configuration, n: int, rng: np.random.Generator) -> Array:
     """Integrals (batches, 1 + 6) of p(wi, w) times 1 and the moments of w over the sphere; what
     goes through a facet counts with the direction it really has."""
     slopes, material, d = c.distribution(), c.facets(), -c.i
-    rows = max(int(np.sqrt(n / (2 * BATCHES))), 3)
+    rows = max(int(np.sqrt(n / (2 * BATCHES))), 2)
     sums = np.zeros((BATCHES, 1 + len(MOMENTS)))
     for batch in range(BATCHES):
         w = sphere(rows, rng)
@@ -109,7 +109,7 @@ def _same(c: Configuration, name: str, there: Array, back: Array) -> Finding:
     return Finding(name, "4.3.2, [HHdD16] Eq. 39", c, Exact(0.0, worst, slack, because))
 
 
-DIFFUSE_COST = 512
+DIFFUSE_COST = 1024
 """Directions of a mirror in the time of one of diffuse facets, which takes a quadrature."""
 
 
