@@ -78,7 +78,7 @@ def holm(p_values: Sequence[float], family_error: float) -> float:
 def judge(findings: Sequence[Finding], family_error: float = FAMILY_ERROR) -> list[Judged]:
     """Verdicts on all findings; where an identity is to fail, chance must be ruled out at the
     level that a failure of the others needs."""
-    p_values = [f.evidence.p_value() for f in findings]
+    p_values = [_p_value(f.evidence) for f in findings]
     family = [
         p for f, p in zip(findings, p_values, strict=True) if p is not None and f.wanted == HOLDS
     ]
@@ -86,12 +86,18 @@ def judge(findings: Sequence[Finding], family_error: float = FAMILY_ERROR) -> li
     return [_judge(f, p, level) for f, p in zip(findings, p_values, strict=True)]
 
 
+def _p_value(evidence: Evidence) -> float | None:
+    """What is not a number has no chance to be right."""
+    p = evidence.p_value()
+    return 0.0 if p is not None and np.isnan(p) else p
+
+
 def _judge(finding: Finding, p: float | None, level: float) -> Judged:
     evidence = finding.evidence
     tolerance = evidence.tolerance(level)
     deviation = evidence.measured - evidence.expected
     # By `not`, which also catches what is not a number.
-    rejected = not abs(deviation) <= tolerance if p is None else not p > level
+    rejected = not abs(deviation) <= tolerance if p is None else p <= level
     if finding.wanted == AGREEMENT:
         verdict = AGREEMENT
     elif finding.wanted == FAILS_AS_EXPECTED:
