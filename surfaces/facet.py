@@ -39,8 +39,9 @@ def fresnel_dielectric(cos_i: Array, eta: Array | float) -> tuple[Array, Array]:
     gives reflectance 1 and cosine 0. [HHdD16 impl., 3.4]
     """
     cos_t = np.sqrt(np.maximum(1 - (1 - cos_i * cos_i) / (eta * eta), 0))
-    r_s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
-    r_p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t)
+    eta_i, eta_t = eta * cos_i, eta * cos_t
+    r_s = (cos_i - eta_t) / (cos_i + eta_t)
+    r_p = (eta_i - cos_t) / (eta_i + cos_t)
     return (r_s * r_s + r_p * r_p) / 2, cos_t
 
 

@@ -105,7 +105,7 @@ class Diffuse:
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
     ) -> Scattered:
         n = m.shape[1]
-        out = lambertian(m / np.sqrt(dot(m, m)), n, rng)
+        out = lambertian(m * (1 / np.sqrt(dot(m, m))), n, rng)
         if not self.absorbs:
             return Scattered(out)
         return Scattered(out, gain=np.array(self.albedo, m.dtype)[:, None])
@@ -127,18 +127,18 @@ class Dielectric:
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
     ) -> Scattered:
-        m = m / np.sqrt(dot(m, m))
+        m = m * (1 / np.sqrt(dot(m, m)))
         n = m.shape[1]
         dtype = m.dtype.type
-        eta: Array | float = self.ior
-        if inside is not None:
-            eta = np.where(inside, dtype(1 / self.ior), dtype(self.ior))
+        eta, inverse = dtype(self.ior), dtype(1 / self.ior)
+        if inside is not None and inside.any():
+            eta, inverse = np.where(inside, inverse, eta), np.where(inside, eta, inverse)
         cos_i = np.abs(dot(d, m))
         fresnel, cos_t = fresnel_dielectric(cos_i, eta)
         transmitted = rng.random(n, dtype=dtype) >= fresnel
         # Both leave in the plane of d and m: d + 2 cos_i m, or d / eta + (cos_i / eta - cos_t) m.
-        scale = np.where(transmitted, 1 / eta, dtype(1))
-        along_m = np.where(transmitted, cos_i / eta - cos_t, 2 * cos_i)
+        scale = np.where(transmitted, inverse, dtype(1))
+        along_m = np.where(transmitted, cos_i * inverse - cos_t, 2 * cos_i)
         return Scattered(scale * d + along_m * m, transmitted=transmitted)
 
 

@@ -105,7 +105,7 @@ class Tracer:
         m[:2] = -slopes * self.scale[:2]
         m[2] = 1
         if rays.inside is not None:
-            m *= np.where(rays.inside, -1.0, 1.0)
+            np.negative(m, out=m, where=rays.inside)
         travel, gain, transmitted = self.material.scatter(
             rays.d * self.unscale, m, rays.inside, rng
         )
