@@ -133,6 +133,6 @@ def not_reciprocal() -> list[Configuration]:
 
 
 IDENTITIES = (
-    Identity(reciprocity, hard, drawn, draws=24, thin=2, share=0.1, least=10_000, cost=3),
+    Identity(reciprocity, hard, drawn, draws=18, thin=4, share=0.1, least=10_000, cost=3),
     Identity(failing, not_reciprocal, share=0.5, least=20_000, cost=3),
 )
