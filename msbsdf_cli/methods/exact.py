@@ -6,7 +6,7 @@ from itertools import count
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, Holds, exits
+from msbsdf_cli.methods.directions import Exits, exits
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.forced import Forced, follow_forced, forced_free_path, roulette
 from msbsdf_cli.methods.paths import (
@@ -19,7 +19,7 @@ from msbsdf_cli.methods.paths import (
     scatter,
 )
 from msbsdf_cli.methods.protocol import Evaluation, NotForThis
-from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
+from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.smith.descent import Descent, arriving_descent, slant
 from msbsdf_cli.smith.slopes import Slopes
@@ -53,7 +53,7 @@ class Descents(Paths):
         return Descent(self.L, self.follow, self.up, self.turn)
 
 
-class Exact(Holds):
+class Exact(SampledByWalk):
     """The model of Bitterli & d'Eon 2022 and Cui et al. 2023, which is that of [HHdD16] with the
     integral over heights done (`msbsdf_cli.smith.descent`).
 
@@ -91,13 +91,6 @@ class Exact(Holds):
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         stderr[:, 0] = 0
         return Evaluation(value, stderr)
-
-    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        """By the random walk, whose heights make it a sampler of the same model."""
-        return sample_walk(self.slopes, self.material, wi, n, rng)
-
-    def pdf(self, wi: Array, wo: Array) -> Array:
-        return broadened_pdf(self.slopes, self.material, wi, wo)
 
     def _follow(
         self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator

@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 
+from msbsdf_cli.methods.directions import Holds
 from msbsdf_cli.methods.single import phase_density
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
@@ -45,3 +46,16 @@ def broadened_pdf(slopes: Slopes, material: Material, wi: Array, wo: Array) -> A
     lobe = cosine / 2 if material.transmits else np.where(wo[2] > 0, cosine, 0)
     first = phase_density(slopes, material, wi, wo)
     return (1 - MULTIPLE_SHARE) * first + MULTIPLE_SHARE * lobe
+
+
+class SampledByWalk(Holds):
+    """Base of the methods that evaluate the random walk's own model: the walk samples it."""
+
+    slopes: Slopes
+    material: Material
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        return sample_walk(self.slopes, self.material, wi, n, rng)
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        return broadened_pdf(self.slopes, self.material, wi, wo)

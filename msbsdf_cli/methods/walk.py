@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, Holds, exits
+from msbsdf_cli.methods.directions import Exits, exits
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.paths import (
     Paths,
@@ -16,7 +16,7 @@ from msbsdf_cli.methods.paths import (
     scatter,
 )
 from msbsdf_cli.methods.protocol import Evaluation
-from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
+from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import exponential, flip, free_path
 from surfaces.facet import Array
@@ -30,7 +30,7 @@ class Walks(Paths):
     t: Array
 
 
-class Walk(Holds):
+class Walk(SampledByWalk):
     """[HHdD16 impl.] Algorithm 2, in the coordinate t: at each facet, the energy towards wo is
     the phase function times exp(-Lambda(wo) t), the chance of leaving that way unhindered.
 
@@ -59,12 +59,6 @@ class Walk(Holds):
             )
             estimate.close_batch()
         return Evaluation(*estimate.mean(samples))
-
-    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        return sample_walk(self.slopes, self.material, wi, n, rng)
-
-    def pdf(self, wi: Array, wo: Array) -> Array:
-        return broadened_pdf(self.slopes, self.material, wi, wo)
 
     def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Walks:
         """At the first facet: a free path from t = 0."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, Holds, exits, far_end
+from msbsdf_cli.methods.directions import Exits, exits, far_end
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.forced import Forced, follow_forced, leave_facet, next_facet
 from msbsdf_cli.methods.paths import (
@@ -13,7 +13,7 @@ from msbsdf_cli.methods.paths import (
     reversed_phase,
 )
 from msbsdf_cli.methods.protocol import Evaluation
-from msbsdf_cli.methods.sampling import broadened_pdf, sample_walk
+from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
@@ -25,7 +25,7 @@ ENOUGH_FOR_ERRORS = 64
 """Walks from each wo, if so many can be had, whose scatter is to tell their standard error."""
 
 
-class WalkLowVariance(Holds):
+class WalkLowVariance(SampledByWalk):
     """The first bounce in closed form, forced intersections, and walks from both ends.
 
     A path of n facets is found from wi with contribution C_i and from wo with C_o, either being
@@ -64,12 +64,6 @@ class WalkLowVariance(Holds):
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         stderr[:, 0] = 0
         return Evaluation(value, stderr)
-
-    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        return sample_walk(self.slopes, self.material, wi, n, rng)
-
-    def pdf(self, wi: Array, wo: Array) -> Array:
-        return broadened_pdf(self.slopes, self.material, wi, wo)
 
     def _from_wi(
         self, wi: Array, ends: "_Ends", samples: int, rng: np.random.Generator
