@@ -44,25 +44,15 @@ class Solve(Holds):
         self, slopes: Slopes, material: Material, orders: int, resolution: float = 1.0
     ) -> None:
         """`resolution` multiplies the number of nodes in each angle and in height. At 1, energies
-        of conductors and diffuse facets are right to 1e-6 (roughness 0.1 to 10), of dielectrics
-        to 1e-4; mirrors converge exponentially, the others by the third power or so. Towards
-        grazing angles lobes of narrow roughness are narrower than the nodes, and directional
-        values there are less accurate: `stderr` shows it.
-
-        Raises NotForThis for dielectrics of two roughnesses.
+        of conductors and diffuse facets are right to 1e-6 (roughness 0.1 to 10), of dielectrics to
+        some 1e-6 and with two roughnesses to 1e-4; at 2 dielectrics of one roughness are right
+        to 3e-7. Towards grazing angles lobes of narrow roughness are narrower than the nodes,
+        and directional values there are less accurate: `stderr` shows it.
         """
         self.refuse(slopes, material)
         self.fine, self.coarse = (
             _solution(slopes, material, orders, r) for r in (resolution, COARSER * resolution)
         )
-
-    @classmethod
-    def refuse(cls, slopes: Slopes, material: Material) -> None:
-        super().refuse(slopes, material)
-        if isinstance(material, Dielectric) and slopes.alpha_x != slopes.alpha_y:
-            raise NotForThis(
-                "method solve does dielectrics of one roughness only, not of alpha_x and alpha_y"
-            )
 
     def evaluate(
         self, wi: Array, wo: Array, samples: int = 0, rng: np.random.Generator | None = None

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.methods.protocol import NotForThis
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.smith.slopes import SLOPES
 from msbsdf_cli.smith.walk import random_walk
@@ -66,6 +65,7 @@ def test_single_scattering_of_ggx_at_normal_incidence_has_a_closed_form():
         *((Diffuse(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
         *((m, (0.6, 0.3)) for m in (Conductor(), Diffuse())),
         *((Dielectric(ior), (1.0, 1.0)) for ior in (1.5, 0.7)),
+        (Dielectric(1.5), (0.6, 0.3)),
     ],
 )
 def test_no_energy_is_lost_over_all_orders(slopes, material, alpha):
@@ -88,9 +88,9 @@ def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
         wi = direction(theta)
         energy, finer = solve.energy(wi), reference.fine.energy(wi)
         error = np.abs(both_sides(energy) - finer).max()
-        # 1e-6 is promised for half spaces, 1e-4 for interfaces; the estimate is no smaller than
-        # a third of the error, unless both are rounding.
-        assert error < (1e-4 if material.transmits else 1e-6)
+        # 1e-6 is promised for half spaces, some 1e-6 for interfaces; the estimate is no smaller
+        # than a third of the error, unless both are rounding.
+        assert error < (4e-6 if material.transmits else 1e-6)
         assert error < 3 * energy.error.max() + 1e-12
 
 
@@ -104,6 +104,8 @@ def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
         (Diffuse((0.8, 1.0)), "beckmann", (0.4, 0.8), 1.0),
         (Dielectric(1.5), "beckmann", (1.0, 1.0), 0.8),
         (Dielectric(1.5), "ggx", (0.8, 0.8), 1.3),
+        (Dielectric(0.7), "ggx", (0.4, 0.8), 1.3),
+        (Dielectric(1.5), "beckmann", (1.0, 0.2), 1.0),
     ],
 )
 def test_energies_of_the_random_walk(material, slopes, alpha, theta):
@@ -155,8 +157,10 @@ def test_reciprocity_of_an_interface():
     a, b = direction(0.4, 0.3), direction(1.2, 2.0)
     forth = solve.evaluate(a, b[:, None])[0] / b[2]
     back = solve.evaluate(b, a[:, None])[0] / a[2]
-    # The two ends are discretised differently: this is the error of the solution.
-    np.testing.assert_allclose(forth, back, rtol=2e-3)
+    # Up to order 2 both ends are treated alike, but for what happens between heights; then they
+    # are discretised differently, and this is the error of the solution.
+    np.testing.assert_allclose(forth[0, :2], back[0, :2], rtol=1e-6)
+    np.testing.assert_allclose(forth[0, 2:], back[0, 2:], rtol=5e-3)
 
 
 @pytest.mark.parametrize("material", [Conductor(), Diffuse(), Dielectric()], ids=lambda m: m.name)
@@ -184,6 +188,43 @@ def test_grid_and_fourier_modes_agree(material):
 
 
 @pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
+def test_grid_and_fourier_modes_agree_for_an_interface(slopes):
+    wi = direction(1.0, 0.3)
+    wo = np.stack([direction(0.5, 2.0), direction(1.3, -1), direction(2.5, -2.3)], axis=1)
+    modes, grid = (
+        Solve(SLOPES[slopes](0.7, alpha_y), Dielectric(), 3, resolution=0.8).fine
+        for alpha_y in (0.7, 0.7 * (1 + 1e-12))
+    )
+    # Energies by different nodes in every angle: the errors of both, at less than resolution 1.
+    np.testing.assert_allclose(grid.energy(wi), modes.energy(wi), atol=2e-5)
+    value, expected = (s.evaluate(wi, wo)[0][0] for s in (grid, modes))
+    # Order 2 is not spread over nodes; later orders, each compared with its largest value, are.
+    np.testing.assert_allclose(value[:2], expected[:2], rtol=2e-3)
+    error = np.abs(value - expected).max(axis=1) / expected.max(axis=1)
+    assert np.all(error < 2e-2)
+
+
+@pytest.mark.parametrize("ior", [1.0001, 1 / 1.0001])
+def test_an_index_near_1_lets_light_pass(ior):
+    with np.errstate(all="raise", under="ignore"):
+        energy = Solve(SLOPES["beckmann"](0.5, 0.5), Dielectric(ior), 2).energy(direction(0.8))
+    # At normal incidence 2.5e-9 is reflected, and few facets are seen edge-on from 0.8. Light
+    # that then is grazing passes many, which the error estimate has to own up to.
+    assert energy.reflected.sum() < 1e-5 + energy.error.sum() < 1e-2
+    assert abs(both_sides(energy).sum() - 1) < 1e-11
+
+
+@pytest.mark.parametrize("alpha", [(0.1, 0.1), (1.0, 1.0), (0.7, 0.2)])
+def test_coarse_nodes_are_no_trouble_to_arithmetic(alpha):
+    wi, wo = direction(0.8, 0.3), np.stack([direction(1.2), direction(2.8)], axis=1)
+    with np.errstate(over="raise", invalid="raise", divide="raise"):
+        solve = Solve(SLOPES["beckmann"](*alpha), Dielectric(1.5), 2, resolution=0.3)
+        energy, result = solve.energy(wi), solve.evaluate(wi, wo)
+    assert abs(both_sides(energy).sum() - 1) < 1e-11
+    assert np.all(np.isfinite(result.value))
+
+
+@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
 def test_grazing_to_grazing(slopes):
     surface = SLOPES[slopes](0.5, 0.5)
     wi = direction(1.57, np.pi)
@@ -205,8 +246,3 @@ def test_precision_of_the_result_is_that_of_the_direction():
     result = Solve(SLOPES["beckmann"](0.5, 0.5), Conductor(), 2).evaluate(wi, wo)
     assert result.value.dtype == result.stderr.dtype == np.float32
     assert result.unresolved < 1e-15
-
-
-def test_what_cannot_be_solved_is_said():
-    with pytest.raises(NotForThis, match="one roughness"):
-        Solve(SLOPES["ggx"](0.5, 0.3), Dielectric(), 2)

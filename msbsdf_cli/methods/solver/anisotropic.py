@@ -13,7 +13,7 @@ import numpy as np
 
 from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.isotropic import CHUNK
-from msbsdf_cli.methods.solver.nodes import Elevations, azimuths, coordinate, gauss
+from msbsdf_cli.methods.solver.nodes import Elevations, SplitElevations, azimuths, coordinate, gauss
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
 from msbsdf_cli.smith.kernel import scatter_density
 from msbsdf_cli.smith.slopes import Slopes
@@ -41,7 +41,7 @@ class QuarterGrid:
     """
 
     slopes: Slopes
-    elevations: Elevations
+    elevations: Elevations | SplitElevations
     quarter: int
     blocks: int
 
@@ -74,6 +74,7 @@ class QuarterGrid:
 class MirrorGrid(QuarterGrid):
     """Facets that reflect: light goes down, then up."""
 
+    elevations: Elevations
     material: Conductor
 
     def kernel(self) -> Kernel:

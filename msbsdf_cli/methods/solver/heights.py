@@ -30,9 +30,7 @@ class Heights:
     @cached_property
     def t(self) -> Array:
         """-ln C1 at the nodes (n,)."""
-        y, _ = gauss(self.n)
-        t: Array = np.log1p(((1 - y) / y) ** CROWDING)
-        return t
+        return _height(gauss(self.n)[0])
 
     def escape(self, Lambda: Array) -> Array:
         """Chance (..., n) of leaving from each height in upward directions ([HHdD16] Eq. 1)."""
@@ -42,34 +40,48 @@ class Heights:
     def arrive(self, L: Array) -> Array:
         """Weights (..., n) of the heights of the first facet, for light from outside of
         extinction L = sigma / cos (...): the mean of a function of height over these."""
-        E, weight = self._exponential
+        E, _, weight = self._chance
         return np.einsum("k,...kn->...n", weight, self._at(E / L[..., None]))
 
     def sink(self, L: Array) -> Array:
-        """Matrices (m, n, n): the next facet's height, from each height, downward (L >= 1)."""
-        E, weight = self._exponential
+        """Matrices (m, n, n): where the next facet lies, from each height, downward (L >= 1), per
+        unit of extinction: its chance over L."""
+        E, _, weight = self._chance
         t = self.t[:, None] + E / L[:, None, None]
-        return np.einsum("k,mikj->mij", weight, self._at(t))
+        return np.einsum("k,mikj->mij", weight, self._at(t)) / L[:, None, None]
 
     def rise(self, Lambda: Array) -> Array:
-        """Matrices (m, n, n): the next facet's height, from each height, upward; rows sum to the
-        probability of not leaving."""
-        u, weight = gauss(PATHS * self.n)
+        """Matrices (m, n, n): the same upward; rows sum to the chance not to leave, over Lambda,
+        which towards the normal tends to the length of the way."""
+        _, u, weight = self._chance
         meets = -np.expm1(-np.multiply.outer(Lambda, self.t))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            path = -np.log1p(-u * meets[..., None]) / Lambda[:, None, None]
+        some = Lambda > 0
+        length = np.where(some[:, None], meets / np.where(some, Lambda, 1)[:, None], self.t)
+        way = -np.log1p(-u * meets[..., None]) / np.where(some, Lambda, 1)[:, None, None]
         # Towards the normal nothing is met, and along the way every height is as likely.
-        path = np.where(Lambda[:, None, None] > 0, path, u * self.t[:, None])
-        t = np.maximum(self.t[:, None] - path, 0)
-        return np.einsum("k,mikj->mij", weight, self._at(t)) * meets[..., None]
+        way = np.where(some[:, None, None], way, u * self.t[:, None])
+        t = np.maximum(self.t[:, None] - way, 0)
+        return np.einsum("k,mikj->mij", weight, self._at(t)) * length[..., None]
 
     @cached_property
-    def _exponential(self) -> tuple[Array, Array]:
-        """Nodes and weights of an expectation over an exponential number E = -ln s^3."""
-        s, ds = gauss(PATHS * self.n)
-        return -3 * np.log(s), 3 * s * s * ds
+    def _chance(self) -> tuple[Array, Array, Array]:
+        """Nodes and weights of an expectation over an exponential number E, and u = 1 - exp(-E).
+
+        A path ends at the top, or begins there, where heights are cube roots of chances: these
+        are crowded at either end as heights are.
+        """
+        y, dy = gauss(PATHS * self.n)
+        one, other = y**CROWDING, (1 - y) ** CROWDING
+        weight = dy * (y * (1 - y)) ** (CROWDING - 1) / (one + other) ** 2
+        return _height(y), other / (one + other), weight / weight.sum()
 
     def _at(self, t: Array) -> Array:
         """Interpolation (..., n) to heights t."""
         ratio = np.expm1(t) ** (1 / CROWDING)
         return interpolation(self.n, 1 / (1 + ratio))
+
+
+def _height(y: Array) -> Array:
+    """-ln C1 at places y between the bottom and the top."""
+    t: Array = np.log1p(((1 - y) / y) ** CROWDING)
+    return t

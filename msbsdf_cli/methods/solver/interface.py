@@ -7,14 +7,19 @@ import numpy as np
 from scipy.special import betaln
 
 from msbsdf_cli.methods.solver.dielectric import TwoSides
+from msbsdf_cli.methods.solver.facets import Facets
 from msbsdf_cli.methods.solver.halfspace import ENDS
 from msbsdf_cli.methods.solver.heights import Heights
-from msbsdf_cli.methods.solver.isotropic import distinct_elevations, parting
-from msbsdf_cli.methods.solver.nodes import Elevations
+from msbsdf_cli.methods.solver.nodes import SplitElevations, abscissa
+from msbsdf_cli.methods.solver.second import SecondOrder
+from msbsdf_cli.methods.solver.spread import SpreadGrid, SpreadModes
 from msbsdf_cli.smith.kernel import dielectric_density
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Dielectric
+
+PANEL = 24
+"""Facets between two neighbouring edges, along either axis, for energies to 1e-6."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +34,8 @@ class TwoHalfSpaces:
     def evaluate(self, wi: Array, wo: Array) -> tuple[Array, float]:
         """BSDF x |cos(theta_o)|, (1, orders + 1, n), and the energy not accounted for."""
         value = np.zeros((self.orders + 1, wo.shape[1]))
-        grid = self._directional
-        flights = grid.follow(wi, self.orders)
+        grid, second = self._directional, self._second
+        flights, arrival = grid.follow(wi, self.orders), second.arrive(wi)
         d = -wi[:, None]
         for side, sign in ((0, 1), (1, -1)):
             lanes = np.flatnonzero(sign * wo[2] > 0)
@@ -38,9 +43,14 @@ class TwoHalfSpaces:
                 # Inside, light is point-reflected.
                 w = sign * wo[:, part]
                 value[0, part] = self._single(d, w, side)
-                ends, which = distinct_elevations(w)
-                later = grid.emerge(flights, np.hypot(ends[0], ends[1]), ends[2], side)
-                value[1:, part] = np.sum(later[..., which] * parting(d, w, grid.modes), axis=1)
+                ends, which = grid.directions.distinct(w)
+                later = grid.emerge(flights, ends, side)
+                factors = grid.directions.parting(d, w)
+                # Two facets are the last row, if no later one is asked for.
+                value[min(self.orders, 2) :, part] = np.sum(later[..., which] * factors, axis=1)
+                for i in range(ends.shape[1]):
+                    same = which == i
+                    value[1, part[same]] += second.emerge(arrival, w[:, same], ends[:, i], side)
         return value[None], flights.unresolved
 
     def _single(self, d: Array, w: Array, side: int) -> Array:
@@ -60,15 +70,44 @@ class TwoHalfSpaces:
 
     @cached_property
     def _directional(self) -> TwoSides:
-        return self._discretise(round(self.resolution * (24 + 24 / self.slopes.alpha_x)))
+        return self._discretise(energy_only=False)
+
+    @cached_property
+    def _second(self) -> SecondOrder:
+        grid = self._directional
+        facets = Facets(self.slopes, 2 * grid.facets.panel, half=False)
+        return SecondOrder(
+            self.slopes, self.material, grid.directions.elevations, grid.heights, facets
+        )
 
     @cached_property
     def _energetic(self) -> TwoSides:
-        return self._discretise(1)
+        return self._discretise(energy_only=True)
 
-    def _discretise(self, modes: int) -> TwoSides:
-        """Refraction bends less than reflection does, so that its lobes are narrower."""
-        alpha = self.slopes.alpha_x
-        elevations = Elevations(round(self.resolution * (16 + 4 / alpha + 10 * np.sqrt(alpha))))
-        heights = Heights(round(self.resolution * 28))
-        return TwoSides(self.slopes, self.material, elevations, heights, modes)
+    def _discretise(self, energy_only: bool) -> TwoSides:
+        """As fine as the lobes are narrow, as for a half space."""
+        alpha, wide = sorted((self.slopes.alpha_x, self.slopes.alpha_y))
+        directions: SpreadModes | SpreadGrid
+        if alpha == wide:
+            elevations = self._elevations(16 + 4 / alpha + 10 * np.sqrt(alpha))
+            modes = 1 if energy_only else round(self.resolution * (16 + 16 / alpha))
+            directions = SpreadModes(elevations, modes)
+        else:
+            elevations = self._elevations(14 + 0.4 / alpha + 2 * np.sqrt(wide))
+            lobes = 4 + 1.2 * wide / alpha if energy_only else 8 + wide / alpha + 1 / alpha
+            blocks = 1 if energy_only else 4
+            directions = SpreadGrid(self.slopes, elevations, round(self.resolution * lobes), blocks)
+        # Of a grid there are many more rows, whose errors are of either sign.
+        panel = PANEL if alpha == wide else 0.6 * PANEL
+        facets = Facets(self.slopes, round(self.resolution * panel), directions.half)
+        heights = Heights(round(self.resolution * 20))
+        return TwoSides(self.slopes, self.material, directions, heights, facets)
+
+    def _elevations(self, n: float) -> SplitElevations:
+        """What steep facets show of total reflection ends where a direction is as far from the
+        mean plane as the critical angle is from the normal: a kink, weak unless many are steep."""
+        ior = self.material.ior
+        split = float(abscissa(np.arcsin(min(ior, 1 / ior))))
+        shares = np.sqrt([split, 1 - split])
+        below, above = np.ceil(self.resolution * n * shares / shares.sum()).astype(int)
+        return SplitElevations(int(below), max(int(above), 1), split)

@@ -5,7 +5,7 @@ grazing angles; a direction of travel and its image in the mean plane share one.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -18,6 +18,9 @@ directions depends on the ratio of their elevations, so that the nodes must crow
 AZIMUTH_CROWDING = 3
 """Azimuths are phi = pi x^3: the kernel peaks at phi = 0 with a width as small as the difference
 of the elevations, and every scale of that is resolved alike."""
+
+PEAK = 96
+"""Azimuths for the kernel itself, beside those that its modes need."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +35,13 @@ class Angles:
     """sin(theta) d(theta): times an azimuth, a solid angle."""
 
 
+@cache
 def gauss(n: int) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes and weights on [0, 1]."""
+    """Gauss-Legendre nodes and weights on [0, 1], not to be written to."""
     x, weight = np.polynomial.legendre.leggauss(n)
-    return (x + 1) / 2, weight / 2
+    x, weight = (x + 1) / 2, weight / 2
+    x.flags.writeable = weight.flags.writeable = False
+    return x, weight
 
 
 def angles(x: Array, dx: Array) -> Angles:
@@ -83,6 +89,37 @@ class Elevations:
         return interpolation(self.n, x)
 
 
+@dataclass(frozen=True)
+class SplitElevations:
+    """Elevations below and above an abscissa where functions of them are not smooth."""
+
+    below: int
+    above: int
+    split: float
+
+    @property
+    def n(self) -> int:
+        """Number of nodes."""
+        return self.below + self.above
+
+    @cached_property
+    def nodes(self) -> Angles:
+        """The nodes, shape (n,)."""
+        (low, d_low), (high, d_high) = gauss(self.below), gauss(self.above)
+        rest = 1 - self.split
+        x = np.concatenate([self.split * low, self.split + rest * high])
+        return angles(x, np.concatenate([self.split * d_low, rest * d_high]))
+
+    def interpolation(self, x: Array) -> Array:
+        """Matrices (..., n) from values at the nodes to values at x (...)."""
+        matrix = np.zeros((*x.shape, self.n))
+        low = x < self.split
+        matrix[low, : self.below] = interpolation(self.below, x[low] / self.split)
+        high = (x[~low] - self.split) / (1 - self.split)
+        matrix[~low, self.below :] = interpolation(self.above, high)
+        return matrix
+
+
 def interpolation(n: int, x: Array) -> Array:
     """Matrices (..., n) from values at `n` Gauss nodes on [0, 1] to values at x (...), by the
     barycentric formula (Wang & Xiang 2012)."""
@@ -96,13 +133,13 @@ def interpolation(n: int, x: Array) -> Array:
     return matrix
 
 
-def azimuths(modes: int, peak: int = 96) -> tuple[Array, Array]:
+def azimuths(modes: int) -> tuple[Array, Array]:
     """Azimuths on (0, pi) and weights that integrate cos(m phi), m < modes, against a kernel that
     is peaked at 0 on any scale.
 
     The widest gap, near pi, is 2.4 times the mean one, and Gauss nodes want more than two for
-    each half period; `peak` nodes are added for the kernel itself.
+    each half period; PEAK nodes are added for the kernel itself.
     """
-    x, weight = gauss(5 * modes // 2 + peak)
+    x, weight = gauss(5 * modes // 2 + PEAK)
     phi = np.pi * x**AZIMUTH_CROWDING
     return phi, np.pi * AZIMUTH_CROWDING * x ** (AZIMUTH_CROWDING - 1) * weight

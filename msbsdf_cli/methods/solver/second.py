@@ -1,0 +1,163 @@
+"""Order 2 of a dielectric, direction by direction.
+
+The integral over the direction v between two facets is one over the facets that face either end of
+the path, and then the other facet's q is in closed form; what happens to heights in between is
+smooth, and only that is interpolated. Narrow lobes and their edges stay what they are, where two
+that are both spread over nodes would not. From the third facet on, lobes have been mixed.
+
+Both integrals are taken, each of its share: any two shares that sum to 1 will do, and here each
+vanishes where the other facet's q is not smooth, or much the narrower one.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from msbsdf_cli.methods.solver.facets import Facets
+from msbsdf_cli.methods.solver.heights import Heights
+from msbsdf_cli.methods.solver.nodes import SplitElevations, coordinate
+from msbsdf_cli.smith.kernel import reflection_density, refraction_density
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.materials import Dielectric
+
+EDGE = 4
+"""Power by which a share vanishes at an edge: products with it have continuous derivatives up to
+the third, and quadrature converges accordingly."""
+
+
+@dataclass(frozen=True)
+class Between:
+    """Directions of travel (3, lanes) between the facets, on one side, chosen by the first."""
+
+    v: Array
+    amount: Array
+    """q times the area that lanes stand for, over |cos| (1 + extinction)."""
+    merit: Array
+    """That of the first facet."""
+    interpolation: Array
+    """From values at the nodes (lanes, 2 n)."""
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """What the second facet needs to know of the first, for one direction of arrival."""
+
+    d: Array
+    """Direction of travel (3,)."""
+    heights: Array
+    """How much of what the first facet sends along the nodes, on either side, passes by each
+    height, (sides, 2 n, heights), as `_paths` has it."""
+    sides: tuple[Between, Between]
+
+
+@dataclass(frozen=True)
+class _Facet:
+    """Facets of index `eta` behind over before that reflect (event 0) or transmit (event 1)."""
+
+    slopes: Slopes
+    eta: float
+    event: int
+
+    def q(self, d: Array, w: Array) -> tuple[Array, Array]:
+        """q (lanes,) in closed form, and the merit of choosing by it: it has edges where facets
+        point to the horizon, and no limit where light is hardly deflected, and at either the
+        half vector of length |w - d| or |d + eta w| does not rise."""
+        interface = Dielectric(self.eta)
+        if self.event == 1:
+            q, rise = refraction_density(self.slopes, interface, d, w), d[2] + self.eta * w[2]
+        else:
+            q, rise = reflection_density(self.slopes, interface, d, w)[0], w[2] - d[2]
+        return q, q / np.maximum(np.abs(rise), np.finfo(float).tiny ** (0.5 / EDGE)) ** EDGE
+
+
+@dataclass(frozen=True)
+class SecondOrder:
+    """Two facets, and the way from the first to the second."""
+
+    slopes: Slopes
+    material: Dielectric
+    elevations: SplitElevations
+    heights: Heights
+    facets: Facets
+
+    def arrive(self, wi: Array) -> Arrival:
+        """For light from `wi` (3,)."""
+        d = -wi
+        sigma = self.slopes.sigma(d[:, None])
+        h = self.heights.arrive(sigma / wi[2])[0] / sigma
+        heights = np.stack([h @ self._paths, h[::-1] @ self._paths])
+        outside, inside = (
+            Between(
+                light.w,
+                light.amount / self._divisor(light.w),
+                _Facet(self.slopes, self.material.ior, event).q(d[:, None], light.w)[1],
+                self._interpolation(light.w),
+            )
+            for event, light in enumerate(self.facets.scatter(d, self.material.ior))
+        )
+        return Arrival(d, heights, (outside, inside))
+
+    def emerge(self, arrival: Arrival, w: Array, end: Array, side: int) -> Array:
+        """Order 2 times cos, (n,), along directions (3, n), upward on a side, that are `end` (3,)
+        turned about the normal."""
+        total = np.zeros(w.shape[1])
+        eta = self.material.ior if side == 0 else 1 / self.material.ior
+        chance = self.heights.escape(self.slopes.sigma(end[:, None]) / end[2])[0]
+        turned = _turned(arrival.d[:, None], w, end)
+        for event, last in enumerate(self.facets.scatter(-end, eta)):
+            # Backwards: where a transmission ends, light has come from, on the other side.
+            before = side if event == 0 else 1 - side
+            near, first = arrival.sides[before], _Facet(self.slopes, self.material.ior, before)
+            second = _Facet(self.slopes, eta, event)
+            heights = chance if event == 0 else chance[::-1] / eta**2
+            passing, v = arrival.heights[before] @ heights, -last.w
+            from_end = last.amount * (self._interpolation(v) @ passing) / self._divisor(v)
+            from_start = near.amount * (near.interpolation @ passing)
+            _, merit_2 = second.q(-end[:, None], last.w)
+            for i in range(w.shape[1]):
+                q_1, merit_1 = first.q(turned[:, i : i + 1], v)
+                total[i] += from_end @ _shared(q_1, merit_1, merit_2)
+                q, merit = second.q(-w[:, i : i + 1], -near.v)
+                total[i] += from_start @ _shared(q, merit, near.merit)
+        return total
+
+    @cached_property
+    def _paths(self) -> Array:
+        """Free paths (2 n, heights, heights) downward and upward along the x-axis, per unit of
+        extinction and times that plus 1: neither zero nor infinite anywhere."""
+        nodes = self.elevations.nodes
+        up = np.stack([nodes.sin, 0 * nodes.sin, nodes.cos])
+        L, Lambda = (self.slopes.sigma(up * [[1], [1], [s]]) / nodes.cos for s in (-1, 1))
+        extinction = np.concatenate([L, Lambda])[:, None, None]
+        paths: Array = np.concatenate([self.heights.sink(L), self.heights.rise(Lambda)])
+        return paths * (1 + extinction)
+
+    def _interpolation(self, v: Array) -> Array:
+        """From values at the nodes to directions, (lanes, 2 n): along the x-axis some direction
+        has the same extinction."""
+        a_x, a_y = self.slopes.alpha_x, self.slopes.alpha_y
+        x = coordinate(np.hypot(a_x * v[0], a_y * v[1]), a_x * np.abs(v[2]))
+        matrix = self.elevations.interpolation(x)
+        down = (v[2] < 0)[:, None]
+        return np.concatenate([np.where(down, matrix, 0), np.where(down, 0, matrix)], axis=1)
+
+    def _divisor(self, v: Array) -> Array:
+        """|cos| (1 + extinction), (lanes,)."""
+        divisor: Array = np.abs(v[2]) + self.slopes.sigma(v)
+        return divisor
+
+
+def _shared(q: Array, merit: Array, other: Array) -> Array:
+    """q of the facet that did not choose the lanes, times the share of the one that did."""
+    total = merit + other
+    share: Array = np.divide(q * other, total, out=np.zeros_like(q), where=total > 0)
+    return share
+
+
+def _turned(d: Array, w: Array, end: Array) -> Array:
+    """`d` (3, 1) turned about the normal as `w` (3, n) would have to be to become `end` (3,)."""
+    phi = np.arctan2(d[1], d[0]) + np.arctan2(end[1], end[0]) - np.arctan2(w[1], w[0])
+    sin = np.hypot(d[0], d[1])
+    return np.stack([sin * np.cos(phi), sin * np.sin(phi), np.broadcast_to(d[2], phi.shape)])
