@@ -20,7 +20,7 @@ from msbsdf_cli.studies.tradeoff.quasirandom import (
     evaluate_quasirandom,
 )
 from msbsdf_cli.studies.tradeoff.reach import reach, seconds_to
-from msbsdf_cli.studies.tradeoff.reference import reference
+from msbsdf_cli.studies.tradeoff.reference import MORE_WALKS, _by_chance, reference
 from msbsdf_cli.studies.tradeoff.rows import COLUMNS, Row, method_rows, table
 from msbsdf_cli.studies.tradeoff.world import (
     World,
@@ -189,7 +189,7 @@ def test_walks_agree_with_the_reference_and_single_scattering_does_not():
 def test_a_reference_by_chance_knows_its_noise():
     scene = Scene("dielectric", (0.5, 0.3), (0.5,), 0.0)
     lobe = lobe_directions(scene, 0.5, 24, 0)
-    values = [reference(scene, [lobe], 16, seed) for seed in range(8)]
+    values = [_by_chance(scene, [lobe], MORE_WALKS * 16, seed) for seed in range(8)]
     assert values[0].method == "walk-low-variance"
     totals = np.array([v.values[0].sum(axis=1) for v in values])
     scale = (totals.mean(axis=0) ** 2 * lobe.solid_angle).sum()
