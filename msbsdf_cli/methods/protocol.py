@@ -23,7 +23,10 @@ class Evaluation:
 
     value: Array
     stderr: Array
-    """Standard error of each value; 0 where the method has no noise."""
+    """Standard error of each value, from the scatter of walks; 0 where the method has no noise."""
+    unseen: Array | float = 0.0
+    """Error (n,) that paths may leave which no walk has found, of all values from order 2 on; see
+    `msbsdf_cli.methods.unseen`. It adds to `stderr` in quadrature."""
     unresolved: float = 0.0
     """Energy not followed to its end: at most this share of the incident energy is missing."""
 

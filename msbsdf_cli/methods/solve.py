@@ -4,17 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Holds
+from msbsdf_cli.methods.directions import Holds, exits
 from msbsdf_cli.methods.protocol import Evaluation, NotForThis
+from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.solver.halfspace import HalfSpace
 from msbsdf_cli.methods.solver.interface import TwoHalfSpaces
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
-COARSER = 0.75
-"""Resolution of the second solution, whose difference from the first estimates its error. The
-error falls by far more than a half between the two, so that the estimate is on the safe side."""
+COARSER = (0.75,)
+COARSER_OF_TWO = (0.75, 0.5)
+"""Resolutions of further solutions; the greatest difference from them estimates the error, for one
+roughness and for two. The error falls by far more than a half from one to the next, so that the
+estimate is on the safe side; but near grazing angles a grid of directions is too coarse for that
+to hold, and then the coarsest shows it."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,7 @@ class Energy:
     reflected: Array
     transmitted: Array
     error: Array
-    """Error estimate of both together, from two resolutions."""
+    """Error estimate of both together, from several resolutions."""
 
 
 class Solve(Holds):
@@ -50,8 +54,10 @@ class Solve(Holds):
         and directional values there are less accurate: `stderr` shows it.
         """
         self.refuse(slopes, material)
-        self.fine, self.coarse = (
-            _solution(slopes, material, orders, r) for r in (resolution, COARSER * resolution)
+        self.slopes, self.material = slopes, material
+        coarser = COARSER if slopes.alpha_x == slopes.alpha_y else COARSER_OF_TWO
+        self.fine, *self.coarse = (
+            _solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
         )
 
     def evaluate(
@@ -59,18 +65,23 @@ class Solve(Holds):
     ) -> Evaluation:
         """Evaluate for a unit vector `wi` (3,), z > 0, and unit vectors `wo` (3, n), z either sign.
 
-        `samples` and `rng` are not used. `stderr` is the difference of two resolutions.
+        `samples` and `rng` are not used. `stderr` is the greatest difference of resolutions; the
+        first order is that of all methods, its error the difference from the solution's own.
         """
         dtype = wi.dtype
         wi, wo = wi.astype(float), wo.astype(float)
         value, unresolved = self.fine.evaluate(wi, wo)
-        error = np.abs(value - self.coarse.evaluate(wi, wo)[0])
-        return Evaluation(value.astype(dtype), error.astype(dtype), unresolved)
+        error = np.max([np.abs(value - c.evaluate(wi, wo)[0]) for c in self.coarse], axis=0)
+        first = first_order(self.slopes, self.material, wi, exits(self.slopes, wo))
+        error[:, 0] = np.abs(value[:, 0] - first)
+        value[:, 0] = first
+        return Evaluation(value.astype(dtype), error.astype(dtype), unresolved=unresolved)
 
     def energy(self, wi: Array) -> Energy:
         """Energy of each order that leaves, for a unit vector `wi` (3,), z > 0."""
-        fine, coarse = (s.energy(wi.astype(float)) for s in (self.fine, self.coarse))
-        error = np.abs(fine - coarse).sum(axis=1)
+        fine = self.fine.energy(wi.astype(float))
+        differences = [np.abs(fine - c.energy(wi.astype(float))) for c in self.coarse]
+        error = np.max(differences, axis=0).sum(axis=1)
         return Energy(fine[:, 0], fine[:, 1], error)
 
     def albedo(self, wi: Array) -> tuple[Array, Array]:

@@ -17,6 +17,7 @@ from msbsdf_cli.methods.paths import (
 )
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
+from msbsdf_cli.methods.unseen import unseen
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import exponential, flip, free_path
 from surfaces.facet import Array
@@ -58,7 +59,8 @@ class Walk(SampledByWalk):
                 partial(self._leave_facet, rng=rng),
             )
             estimate.close_batch()
-        return Evaluation(*estimate.mean(samples))
+        rare = unseen(self.slopes, self.material, out, samples, rng)
+        return Evaluation(*estimate.mean(samples), rare)
 
     def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Walks:
         """At the first facet: a free path from t = 0."""

@@ -15,6 +15,7 @@ from msbsdf_cli.methods.paths import (
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.methods.unseen import unseen
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
 from surfaces.batch import concatenate
@@ -58,12 +59,16 @@ class WalkLowVariance(SampledByWalk):
         n_i = max(1, samples - n_o)
         ends = _Ends(out, n_o / n_i, far_end(self.material, out) / wi[2])
         value, stderr = self._from_wi(wi, ends, n_i, rng)
+        rare = unseen(self.slopes, self.material, out, n_i, rng)
         if self.both_ends:
             from_wo, stderr_wo = self._from_wo(wi, ends, n_o, rng)
             value, stderr = value + from_wo, np.hypot(stderr, stderr_wo)
+            start = exits(self.slopes, wi[:, None])
+            rare_wo = ends.scale * unseen(self.slopes, self.material, start, n_o, rng)
+            rare = np.minimum(rare, rare_wo)  # A path is weighed against its other end.
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         stderr[:, 0] = 0
-        return Evaluation(value, stderr)
+        return Evaluation(value, stderr, rare)
 
     def _from_wi(
         self, wi: Array, ends: "_Ends", samples: int, rng: np.random.Generator

@@ -14,8 +14,10 @@ from msbsdf_cli.scene import Scene
 from surfaces.facet import Array
 
 PARTS = 16
-"""Independent parts of the samples of a method: the spread between them is the standard error of
-the sum over orders, whose terms come from the same walks."""
+PART = 100_000
+"""At least so many independent parts of the samples of a method, and of at most so many samples:
+the spread between them is the standard error of the sum over orders, whose terms come from the
+same walks."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ class Part(NamedTuple):
 def _parts(samples: int, deterministic: bool) -> list[int]:
     if deterministic:
         return [samples]
-    count = min(PARTS, samples)
+    count = min(max(PARTS, -(-samples // PART)), samples)
     return [samples // count + (i < samples % count) for i in range(count)]
 
 
@@ -148,11 +150,14 @@ def _merge(
     weight = share[:, None, None, None]
     value = (weight * values).sum(axis=0)
     stderr = np.sqrt(((weight * stderrs) ** 2).sum(axis=0))
+    # One walk of a part, the brightest that any part knows of, adds less among all.
+    unseen = np.max([s * p.evaluation.unseen for s, p in zip(share, parts, strict=True)], axis=0)
+    stderr[:, 1:] = np.hypot(stderr[:, 1:], unseen)
     totals = values.sum(axis=2)
     total = value.sum(axis=1)
     if len(parts) > 1:
         spread = (share[:, None, None] * (totals - total) ** 2).sum(axis=0)
-        total_stderr = np.sqrt(spread / (len(parts) - 1))
+        total_stderr = np.hypot(np.sqrt(spread / (len(parts) - 1)), unseen)
     else:
         total_stderr = stderr.sum(axis=1)
     return Values(

@@ -27,17 +27,18 @@ def sphere(n=32):
     return np.concatenate([w, -w], axis=1), np.concatenate([solid_angle, solid_angle])
 
 
-def largest_z(a, a_stderr, b, b_stderr):
-    """Largest difference in standard errors, over values that either side knows to a quarter.
+def error(evaluation):
+    """Standard errors, with that of paths which no walk has found."""
+    stderr = evaluation.stderr.astype(float)
+    stderr[:, 1:] = np.hypot(stderr[:, 1:], evaluation.unseen)
+    return stderr
 
-    Where one walk in a million goes, a standard error knows nothing of that one, and is no
-    measure of anything; but such values must not be the rule.
-    """
-    stderr = np.hypot(a_stderr, b_stderr)
-    assert np.isfinite(a).all()
-    assert np.isfinite(b).all()
-    exact = stderr <= 1e-12 * a
-    np.testing.assert_allclose(a[exact], b[exact], rtol=1e-9, atol=1e-12 * a.max())
-    known = ~exact & (a_stderr < a / 4) & (b_stderr < b / 4)
-    assert known.sum() > 0.5 * (~exact).sum()
-    return np.max(np.abs(a - b)[known] / stderr[known])
+
+def largest_z(a, b, scale=1.0):
+    """Largest difference of evaluation `a` from `scale` times `b`, in standard errors."""
+    value, other, stderr = a.value, b.value * scale, np.hypot(error(a), error(b) * scale)
+    assert np.isfinite(value).all()
+    assert np.isfinite(other).all()
+    exact = stderr <= 1e-12 * value
+    np.testing.assert_allclose(value[exact], other[exact], rtol=1e-9, atol=1e-12 * value.max())
+    return np.max(np.abs(value - other)[~exact] / stderr[~exact])
