@@ -237,18 +237,17 @@ def test_grazing_to_grazing(slopes):
     np.testing.assert_allclose(result.value.sum(1), value.sum(1), atol=1e-5 * value.max())
 
 
-@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
-@pytest.mark.parametrize("phi", [0, 0.8, np.pi / 2])
+@pytest.mark.parametrize(("slopes", "phi"), [("beckmann", np.pi / 2), ("ggx", 0)])
 def test_error_of_a_coarse_grid_of_directions(slopes, phi):
-    surface = SLOPES[slopes](1, 0.2)
+    surface = SLOPES[slopes](1, 0.4)
     wi = direction(1.5, phi)
     wo = direction([0.2, 1.1, 1.4, 1.5, 1.4], [0, 1, phi, phi + 3, phi + np.pi])
-    found = Solve(surface, Conductor(), 2, resolution=0.6).evaluate(wi, wo)
-    value = Solve(surface, Conductor(), 2, resolution=1.1).fine.evaluate(wi, wo)[0]
-    # No grid resolves the lobes here: values ripple about the right ones, and the distance from
-    # the coarsest is the scale of the ripples, not a bound. From the nearest it is up to 8 times
-    # too small.
-    assert (np.abs(found.value - value) <= 4 * found.stderr + 1e-9 * value.max()).all()
+    found = Solve(surface, Conductor(), 2).evaluate(wi, wo)
+    value = Solve(surface, Conductor(), 2, resolution=1.5).fine.evaluate(wi, wo)[0]
+    # Lobes are narrower than the grid: values ripple about the right ones, and a distance between
+    # two ripples is the scale of the error, not a bound. From the nearer grid alone it would be up
+    # to 8 times too small.
+    assert (np.abs(found.value - value) <= 2 * found.stderr + 1e-9 * value.max()).all()
 
 
 def test_reflection_only_leaves_nothing_below():
