@@ -1,10 +1,9 @@
 """Quadrature over visible slopes: the integrals that have no closed form, without noise.
 
 The slopes of a distribution, each divided by its roughness, are written in polar coordinates
-(tan psi, phi). Those visible from a direction are a half plane, those visible from two an
-intersection of half planes. Between the azimuths where its border changes, the integrand is
-smooth in phi, and along each azimuth it is smooth in psi up to the border: Gauss-Legendre nodes
-serve both.
+(tan psi, phi). Those visible from a direction are a half plane. Between the azimuths where its
+border goes to infinity, the integrand is smooth in phi, and along each azimuth it is smooth in psi
+up to the border: Gauss-Legendre nodes serve both.
 """
 
 import numpy as np
@@ -20,7 +19,6 @@ AZIMUTH_NODES = 20
 def visible_slopes(
     slopes: Slopes,
     d: Array,
-    w: Array | None = None,
     radial_nodes: int = RADIAL_NODES,
     azimuth_nodes: int = AZIMUTH_NODES,
     split: bool = False,
@@ -29,24 +27,17 @@ def visible_slopes(
 
         sum of weights f(m) = integral of <-d, m> D(m) f(m) dm
 
-    over the normals that also face `w` (3, n), where it is given. The weights alone sum to
-    sigma(d), for `w` None. `split` has twice the radial nodes and puts a border between
-    them where mirrors would send `d` to the horizon, for the sake of kinks there.
+    The weights alone sum to sigma(d). `split` has twice the radial nodes and puts a border
+    between them where mirrors would send `d` to the horizon, for the sake of kinks there.
     """
-    lines = [(-d[2], slopes.alpha_x * d[0], slopes.alpha_y * d[1])]
-    if w is not None:
-        lines.append((w[2], -slopes.alpha_x * w[0], -slopes.alpha_y * w[1]))
-    phi, weight = _between(_turns(lines), azimuth_nodes)
+    a, b_x, b_y = -d[2], slopes.alpha_x * d[0], slopes.alpha_y * d[1]
+    phi, weight = _nodes_on_circle(np.mod(np.arctan2(b_x, -b_y), np.pi), azimuth_nodes)
     cos_phi, sin_phi = np.cos(phi), np.sin(phi)
 
-    low, high = np.zeros_like(phi), np.full_like(phi, np.pi / 2)
-    for a, b_x, b_y in lines:
-        # Seen where a cos(psi) + b sin(psi) > 0; arctan2 puts a border that is never met beyond.
-        b = b_x * cos_phi + b_y * sin_phi
-        border = np.arctan2(np.abs(a), np.where(a >= 0, -b, b))
-        high = np.where(a >= 0, np.minimum(high, border), high)
-        low = np.where(a >= 0, low, np.maximum(low, border))
-    high = np.maximum(low, high)
+    # Seen where a cos(psi) + b sin(psi) > 0; a border that is never met is put at the end.
+    b = b_x * cos_phi + b_y * sin_phi
+    border = np.minimum(np.arctan2(np.abs(a), np.where(a >= 0, -b, b)), np.pi / 2)
+    low, high = np.where(a >= 0, 0, border), np.where(a >= 0, border, np.pi / 2)
     x, x_weight = _unit_interval(radial_nodes)
     x, x_weight = x[:, None, None], x_weight[:, None, None]
     if split:
@@ -82,25 +73,14 @@ def _mirrored_to_horizon(slopes: Slopes, d: Array, cos_phi: Array, sin_phi: Arra
     return np.where(b > 0, np.arctan2(b + root, a * A2), np.arctan2(a, root - b))
 
 
-def _turns(lines: list[tuple[Array, Array, Array]]) -> Array:
-    """Azimuths (k, n), sorted, where the nearest border changes or goes to infinity."""
-    turns = [np.arctan2(b_x, -b_y) for _, b_x, b_y in lines]
-    if len(lines) == 2:
-        (a, a_x, a_y), (b, b_x, b_y) = lines
-        turns.append(np.arctan2(a * b_x - b * a_x, b * a_y - a * b_y))
-    half = np.sort(np.mod(np.stack(turns), np.pi), axis=0)
-    return np.concatenate([half, half + np.pi])
-
-
-def _between(turns: Array, nodes: int) -> tuple[Array, Array]:
-    """Nodes and weights (k nodes, n) on the k intervals of the circle between `turns` (k, n),
-    denser towards the ends, where a grazing direction has its border swing round."""
+def _nodes_on_circle(turn: Array, nodes: int) -> tuple[Array, Array]:
+    """Nodes and weights (2 nodes, n) on the two half circles between `turn` (n,) and the azimuth
+    opposite, denser towards the ends, where a grazing direction has its border swing round."""
     x, weight = _unit_interval(nodes)
     x, weight = x * x * (3 - 2 * x), weight * 6 * x * (1 - x)
-    width = np.diff(turns, axis=0, append=turns[:1] + 2 * np.pi)
-    phi = turns + width * x[:, None, None]
-    n = turns.shape[1]
-    return phi.reshape(-1, n), (width * weight[:, None, None]).reshape(-1, n)
+    half = turn + np.pi * x[:, None]
+    weight = np.repeat(np.pi * weight[:, None], turn.size, axis=1)
+    return np.concatenate([half, half + np.pi]), np.concatenate([weight, weight])
 
 
 def _unit_interval(nodes: int) -> tuple[Array, Array]:

@@ -41,7 +41,7 @@ def normalisation(c: Configuration, n: int, rng: np.random.Generator) -> Iterato
         return
     sums = []
     for nodes in (NODES // 2, NODES):
-        _, weight = visible_slopes(c.distribution(), -c.i, None, nodes, nodes)
+        _, weight = visible_slopes(c.distribution(), -c.i, nodes, nodes)
         sums.append(float(weight.sum()))
     sigma = float(c.distribution().sigma(-c.i)[0])
     slack = abs(sums[1] - sums[0]) / sigma + 1e-9
@@ -69,7 +69,7 @@ def quadrature_moments(slopes: Slopes, wi: Array) -> tuple[Array, Array]:
     """Moments (6,) of the normals visible from wi (3, 1), and their errors."""
     results = []
     for nodes in (NODES // 2, NODES):
-        m, weight = visible_slopes(slopes, -wi, None, nodes, nodes)
+        m, weight = visible_slopes(slopes, -wi, nodes, nodes)
         results.append((moments(m[..., 0]) * weight[:, 0]).sum(axis=1) / weight.sum())
     return results[1], np.abs(results[1] - results[0]) + 1e-9
 
