@@ -1,0 +1,23 @@
+"""The walk over heights."""
+
+from dataclasses import replace
+
+from identities.bending import GLASS, assert_turns, each, flip_nothing
+from msbsdf_cli.studies.identities import height_walk
+
+PERTURBATIONS = [
+    (
+        flip_nothing,
+        height_walk.height_independence,
+        replace(GLASS, heights="gaussian"),
+        100_000,
+        "independence of the height distribution",
+    ),
+]
+
+
+@each(PERTURBATIONS)
+def test_a_bent_formula_turns_the_verdict(
+    monkeypatch, bend, identity, configuration, samples, name
+):
+    assert_turns(monkeypatch, bend, identity, configuration, samples, name)
