@@ -29,9 +29,11 @@ SETUPS = 3
 DETERMINISTIC_RUNS = 5
 """Timed runs of a method without noise: more would tell no more about its error."""
 
-
 SLOW_S = 0.3
 """After so many seconds two runs have to do for it."""
+
+Quartiles = tuple[float, float, float]
+"""Lower quartile, median, upper quartile of seconds."""
 
 
 @dataclass(frozen=True)
@@ -108,17 +110,16 @@ class Series:
     """BSDF x cos(theta_o) of each repetition, (channels, orders + 1, n)."""
     seconds: list[float] = field(default_factory=list)
     """Of each repetition, without set-up."""
-    setup_s: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Lower quartile, median and upper quartile."""
+    setup_s: Quartiles = (0.0, 0.0, 0.0)
 
     @property
-    def times(self) -> tuple[float, float, float]:
-        """Lower quartile, median and upper quartile of the seconds."""
+    def times(self) -> Quartiles:
+        """Of the seconds."""
         return quartiles(self.seconds)
 
 
-def quartiles(seconds: list[float]) -> tuple[float, float, float]:
-    """Lower quartile, median, upper quartile."""
+def quartiles(seconds: list[float]) -> Quartiles:
+    """Quartiles of times."""
     low, middle, high = np.percentile(seconds, (25, 50, 75))
     return float(low), float(middle), float(high)
 
@@ -183,7 +184,7 @@ def timed(
     return value, time.perf_counter() - started
 
 
-def set_up(setting: Setting, scene: Scene, lobe: Lobe) -> tuple[Method, tuple[float, float, float]]:
+def set_up(setting: Setting, scene: Scene, lobe: Lobe) -> tuple[Method, Quartiles]:
     """The method, ready, and quartiles of the seconds that took: what the first evaluation of one
     direction takes more than the second one, since some set-up waits for it."""
     seconds = []

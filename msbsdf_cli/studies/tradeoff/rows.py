@@ -1,5 +1,6 @@
 """Rows of tradeoff.csv: errors, times, slopes, efficiencies, ranks and the Pareto front."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -7,9 +8,9 @@ import numpy as np
 
 from msbsdf_cli.report.directory import Table
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.studies.tradeoff.errors import Accuracy, accuracy, root
+from msbsdf_cli.studies.tradeoff.errors import accuracy, root
 from msbsdf_cli.studies.tradeoff.fits import pareto, rank_stability, slope
-from msbsdf_cli.studies.tradeoff.measuring import Series, quartiles
+from msbsdf_cli.studies.tradeoff.measuring import Quartiles, Series, quartiles
 from msbsdf_cli.studies.tradeoff.reference import Reference
 from msbsdf_cli.studies.tradeoff.world import MODEL_OF, MODELS, Distance, World, grouped_noise
 
@@ -81,65 +82,87 @@ def method_rows(scene: Scene, series: list[Series], truth: Reference) -> list[Ro
     """A row for each series, with slopes, fronts and ranks angle by angle."""
     rows = []
     for i, theta in enumerate(scene.theta):
-        here = [s for s in series if s.lobe.theta == theta]
-        mine = [_row(scene, s, truth.values[i]) for s in here]
-        mine = with_slopes(mine)
-        rows += with_ranks(with_fronts(mine))
+        mine = [_row(scene, s, truth.values[i]) for s in series if s.lobe.theta == theta]
+        rows += with_ranks(with_fronts(with_slopes(mine)))
     return rows
 
 
 def _row(scene: Scene, series: Series, truth: np.ndarray) -> Row:
-    setting = series.setting
+    setting, lobe = series.setting, series.lobe
     lumped = setting.method == "energy-compensated"
-    found = accuracy(np.array(series.values), truth, series.lobe.solid_angle, lumped)
-    low, middle, high = series.times
-    setup_low, setup, setup_high = series.setup_s
+    found = accuracy(np.array(series.values), truth, lobe.solid_angle, lumped)
+    square, energy = found.relative, found.energy
     return Row(
-        setting.method,
-        *_scene_columns(scene, series.lobe.theta),
+        method=setting.method,
         samples=setting.samples,
-        seconds=middle,
         resolution=setting.resolution,
-        seconds_low=low,
-        seconds_high=high,
-        setup_s=setup,
-        setup_low_s=setup_low,
-        setup_high_s=setup_high,
-        seconds_per_direction=middle / series.lobe.wo.shape[1],
-        **_errors(found, middle, setup),
+        seconds_per_direction=series.times[1] / lobe.wo.shape[1],
+        bias_z=square.bias / square.bias_stderr if square.bias_stderr > 0 else NAN,
+        energy_bias=root(energy.bias, energy.bias_stderr)[0],
         model=MODELS[MODEL_OF[setting.method]],
         squares=found.each,
         times=tuple(series.seconds),
+        **_place(scene, lobe.theta),
+        **_with_stderr(
+            relative_rmse=root(square.total, square.total_stderr),
+            bias=root(square.bias, square.bias_stderr),
+            noise=root(square.noise, square.noise_stderr),
+            energy_error=root(energy.total, energy.total_stderr),
+            total_variation=(found.total_variation, found.total_variation_stderr),
+        ),
+        **_costs(square.total, series.times, series.setup_s),
     )
 
 
-def _scene_columns(scene: Scene, theta: float) -> tuple[str, str, float, float, float]:
-    return scene.material, scene.slopes, *scene.alpha, theta
+def simulate_rows(scene: Scene, world: World) -> list[Row]:
+    """Rows of `simulate`, whose error is its noise about the mean of all surfaces."""
+    rows = []
+    for i, theta in enumerate(scene.theta):
+        mine = [
+            Row(
+                method="simulate",
+                samples=size * world.rays,
+                bias=NAN,
+                reference="surfaces",
+                model="surfaces",
+                **_place(scene, theta),
+                **_with_stderr(relative_rmse=(noise, stderr), noise=(noise, stderr)),
+                **_costs(
+                    noise**2,
+                    quartiles([size * s for s in world.trace_s]),
+                    quartiles([size * s for s in world.surface_s]),
+                ),
+            )
+            for size, noise, stderr in grouped_noise(world, i)
+        ]
+        rows += with_slopes(mine)
+    return rows
 
 
-def _errors(found: Accuracy, seconds: float, setup: float) -> dict[str, Any]:
-    square = found.relative
-    rmse, rmse_stderr = root(square.total, square.total_stderr)
-    bias, bias_stderr = root(square.bias, square.bias_stderr)
-    noise, noise_stderr = root(square.noise, square.noise_stderr)
-    energy, energy_stderr = root(found.energy.total, found.energy.total_stderr)
+def _place(scene: Scene, theta: float) -> dict[str, Any]:
+    names = ("material", "slopes", "alpha_x", "alpha_y", "theta_i_rad")
+    return dict(zip(names, (scene.material, scene.slopes, *scene.alpha, theta), strict=True))
+
+
+def _with_stderr(**measured: tuple[float, float]) -> dict[str, Any]:
+    """Columns of values and, by the names with `_stderr`, their standard errors."""
+    values = {name: value for name, (value, _) in measured.items()}
+    return values | {f"{name}_stderr": stderr for name, (_, stderr) in measured.items()}
+
+
+def _costs(square: float, seconds: Quartiles, setup_s: Quartiles) -> dict[str, Any]:
+    """Columns of times, and of efficiencies from the squared relative error."""
+    names = ("seconds_low", "seconds", "seconds_high", "setup_low_s", "setup_s", "setup_high_s")
     tiny = np.finfo(float).tiny
     return {
-        "relative_rmse": rmse,
-        "relative_rmse_stderr": rmse_stderr,
-        "bias": bias,
-        "bias_stderr": bias_stderr,
-        "bias_z": square.bias / square.bias_stderr if square.bias_stderr > 0 else NAN,
-        "noise": noise,
-        "noise_stderr": noise_stderr,
-        "efficiency": 1 / max(square.total * seconds, tiny),
-        "efficiency_with_setup": 1 / max(square.total * (seconds + setup), tiny),
-        "energy_error": energy,
-        "energy_error_stderr": energy_stderr,
-        "energy_bias": root(found.energy.bias, found.energy.bias_stderr)[0],
-        "total_variation": found.total_variation,
-        "total_variation_stderr": found.total_variation_stderr,
+        **dict(zip(names, (*seconds, *setup_s), strict=True)),
+        "efficiency": 1 / max(square * seconds[1], tiny),
+        "efficiency_with_setup": 1 / max(square * (seconds[1] + setup_s[1]), tiny),
     }
+
+
+def _columns(rows: list[Row], *names: str) -> Iterator[np.ndarray]:
+    return (np.array([getattr(r, name) for r in rows]) for name in names)
 
 
 def with_slopes(rows: list[Row]) -> list[Row]:
@@ -147,27 +170,16 @@ def with_slopes(rows: list[Row]) -> list[Row]:
     done = []
     for name in dict.fromkeys(r.method for r in rows):
         mine = [r for r in rows if r.method == name]
-        seconds = np.array([r.seconds for r in mine])
-        rmse, rmse_stderr, noise, noise_stderr, samples = (
-            np.array([getattr(r, column) for r in mine])
-            for column in (
-                "relative_rmse", "relative_rmse_stderr", "noise", "noise_stderr", "samples",
-            )
-        )  # fmt: skip
-        over_time = slope(seconds, rmse, rmse_stderr)
-        main = over_time if name == "solve" else slope(samples, noise, noise_stderr)
-        done += [
-            replace(r, slope=main[0], slope_stderr=main[1], slope_time=over_time[0]) for r in mine
-        ]
+        over_time = slope(*_columns(mine, "seconds", "relative_rmse", "relative_rmse_stderr"))
+        over_samples = slope(*_columns(mine, "samples", "noise", "noise_stderr"))
+        main, stderr = over_time if name == "solve" else over_samples
+        done += [replace(r, slope=main, slope_stderr=stderr, slope_time=over_time[0]) for r in mine]
     return done
 
 
 def with_fronts(rows: list[Row]) -> list[Row]:
     """The rows with the Pareto fronts of error and time marked."""
-    seconds, setup, error = (
-        np.array([getattr(r, column) for r in rows])
-        for column in ("seconds", "setup_s", "relative_rmse")
-    )
+    seconds, setup, error = _columns(rows, "seconds", "setup_s", "relative_rmse")
     fronts = zip(rows, pareto(seconds + setup, error), pareto(seconds, error), strict=True)
     return [replace(r, pareto=bool(a), pareto_after_setup=bool(b)) for r, a, b in fronts]
 
@@ -184,40 +196,6 @@ def with_ranks(rows: list[Row]) -> list[Row]:
     rows = list(rows)
     for i, place, share in zip(last.values(), rank, kept, strict=True):
         rows[i] = replace(rows[i], rank=int(place), rank_kept=float(share))
-    return rows
-
-
-def simulate_rows(scene: Scene, world: World) -> list[Row]:
-    """Rows of `simulate`, whose error is its noise about the mean of all surfaces."""
-    rows = []
-    trace_low, trace, trace_high = quartiles(world.trace_s)
-    surface_low, surface, surface_high = quartiles(world.surface_s)
-    for i, theta in enumerate(scene.theta):
-        mine = []
-        for size, noise, stderr in grouped_noise(world, i):
-            mine.append(
-                Row(
-                    "simulate",
-                    *_scene_columns(scene, theta),
-                    samples=size * world.rays,
-                    seconds=size * trace,
-                    seconds_low=size * trace_low,
-                    seconds_high=size * trace_high,
-                    setup_s=size * surface,
-                    setup_low_s=size * surface_low,
-                    setup_high_s=size * surface_high,
-                    relative_rmse=noise,
-                    relative_rmse_stderr=stderr,
-                    bias=NAN,
-                    noise=noise,
-                    noise_stderr=stderr,
-                    efficiency=1 / (noise**2 * size * trace),
-                    efficiency_with_setup=1 / (noise**2 * size * (trace + surface)),
-                    reference="surfaces",
-                    model="surfaces",
-                )
-            )
-        rows += with_slopes(mine)
     return rows
 
 
