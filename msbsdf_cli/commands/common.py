@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.report.directory import refuse_existing
 from msbsdf_cli.scene import Scene, metal_indices
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.studies.outcome import FreePaths
@@ -110,9 +111,11 @@ def announce(warnings: list[str]) -> None:
         click.echo(f"Warning: {sentence}", err=True)
 
 
-def out_directory(command: str, slug: str, out: str | None) -> Path:
-    """Where the report goes."""
-    return Path(out) if out else Path("reports") / f"{command}-{slug}"
+def out_directory(command: str, slug: str, options: dict[str, Any]) -> Path:
+    """Where the report goes. Raises click.BadParameter for a place that is taken."""
+    out = Path(options["out"] or f"reports/{command}-{slug}")
+    refuse_existing(out, options["force"])
+    return out
 
 
 def duration(seconds: float) -> str:

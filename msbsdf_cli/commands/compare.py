@@ -22,7 +22,7 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     With --method, the lobes of other methods are held against the surfaces instead of the walk.
     """
     from msbsdf_cli.commands import common, simulate, walk
-    from msbsdf_cli.report.directory import new_report, refuse_existing
+    from msbsdf_cli.report.directory import new_report
     from msbsdf_cli.studies.agreement import in_order
     from msbsdf_cli.studies.recording import show_json
 
@@ -32,8 +32,7 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     options["heights"] = "gaussian"
     scene = common.scene_from(options)
     common.free_paths_from(options, "gaussian")
-    out = common.out_directory("compare", scene.slug(), options["out"])
-    refuse_existing(out, options["force"])
+    out = common.out_directory("compare", scene.slug(), options)
     simulate.refuse_mesh(options)
     warnings, work_s = [], 0.0
     if "simulate" not in handed:
@@ -122,10 +121,11 @@ def write_comparison(
 ) -> tuple[list[Any], dict[str, Any]]:
     """Compare reports and write the result into `draft`; its rows and run.json's content."""
     from msbsdf_cli.report.agreement import draw_agreement
-    from msbsdf_cli.report.directory import RUN, read_run, write_csv, write_json
+    from msbsdf_cli.report.directory import read_run
     from msbsdf_cli.report.free_path import draw_free_paths
     from msbsdf_cli.report.lobes import draw_lobe_comparison, draw_methods
     from msbsdf_cli.studies.agreement import agreement, as_table, in_one_sentence
+    from msbsdf_cli.studies.recording import write_report
 
     rows, sentences = [], []
     for name, path in modelled.items():
@@ -137,7 +137,6 @@ def write_comparison(
             draw_free_paths(simulated, path, draft)
         rows += mine
         sentences.append(in_one_sentence(mine))
-    write_csv(draft / "agreement.csv", as_table(rows))
     if options["method"]:
         draw_methods(simulated, modelled, draft)
     record = read_run(simulated)
@@ -147,7 +146,7 @@ def write_comparison(
         "warnings": warnings + record["warnings"],
         "summary": "\n".join(sentences),
     }
-    write_json(draft / RUN, record)
+    write_report(draft, record, {"agreement.csv": as_table(rows)})
     return rows, record
 
 

@@ -18,25 +18,24 @@ def command(**options: Any) -> None:
     and a picture. Without --method: all methods that hold for the material.
     """
     from msbsdf_cli.commands import common
-    from msbsdf_cli.report.directory import RUN, new_report, refuse_existing, write_csv, write_json
+    from msbsdf_cli.report.directory import new_report
     from msbsdf_cli.report.slices import draw_slices
+    from msbsdf_cli.studies import recording
     from msbsdf_cli.studies.evaluating import evaluate
-    from msbsdf_cli.studies.recording import methods_record, now, show_json, stopwatch
     from msbsdf_cli.studies.slicing import slice_directions, slice_table
 
     scene = common.scene_from(options)
     options["method"] = common.methods_for(scene, options["method"])
-    out = common.out_directory("evaluate", scene.slug(), options["out"])
-    refuse_existing(out, options["force"])
+    out = common.out_directory("evaluate", scene.slug(), options)
     walks = options["samples"] * len(options["theta"]) * len(options["method"])
     warnings = common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S)
     common.announce(warnings)
-    started, elapsed = now(), stopwatch()
+    started, elapsed = recording.now(), recording.stopwatch()
     directions = slice_directions(scene, options["phi_o"], options["points"])
     arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
     with new_report(out) as draft:
         values = evaluate(scene, options["method"], directions.wo, options["samples"], *arithmetic)
-        record = methods_record("evaluate", options, started, elapsed(), walks, warnings)
+        record = recording.methods_record("evaluate", options, started, elapsed(), walks, warnings)
         record["methods"] = [
             {
                 "method": v.method,
@@ -46,11 +45,10 @@ def command(**options: Any) -> None:
             }
             for v in values
         ]
-        write_json(draft / RUN, record)
-        write_csv(draft / "slice.csv", slice_table(scene, directions, values))
+        recording.write_report(draft, record, {"slice.csv": slice_table(scene, directions, values)})
         draw_slices(draft)
     if options["as_json"]:
-        show_json(record | {"report": str(out)})
+        recording.show_json(record | {"report": str(out)})
     elif not options["quiet"]:
         show(values, out)
 

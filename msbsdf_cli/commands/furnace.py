@@ -27,29 +27,27 @@ def command(**options: Any) -> None:
     white wall conserves energy.
     """
     from msbsdf_cli.commands import common
-    from msbsdf_cli.report.directory import RUN, new_report, refuse_existing, write_csv, write_json
+    from msbsdf_cli.report.directory import new_report
     from msbsdf_cli.report.furnace import draw_furnace
+    from msbsdf_cli.studies import recording
     from msbsdf_cli.studies.furnace import furnace, furnace_table
-    from msbsdf_cli.studies.recording import methods_record, now, show_json, stopwatch
 
     alphas = options["alpha"]
     scene = common.scene_from(options | {"alpha": alphas[0]})
     options["method"] = common.methods_for(scene, options["method"])
-    out = common.out_directory("furnace", f"{scene.material}-{scene.slopes}", options["out"])
-    refuse_existing(out, options["force"])
+    out = common.out_directory("furnace", f"{scene.material}-{scene.slopes}", options)
     warnings = common.scene_warnings(options | {"alpha": sum(alphas, ())}, 0.0)
     common.announce(warnings)
-    started, elapsed = now(), stopwatch()
+    started, elapsed = recording.now(), recording.stopwatch()
     settings = options["samples"], options["seed"], options["threads"], options["quiet"]
     with new_report(out) as draft:
         results = furnace(scene, alphas, options["method"], *settings)
         walks = options["samples"] * len(results) * len(scene.theta)
-        record = methods_record("furnace", options, started, elapsed(), walks, warnings)
-        write_json(draft / RUN, record)
-        write_csv(draft / "furnace.csv", furnace_table(scene, results))
+        record = recording.methods_record("furnace", options, started, elapsed(), walks, warnings)
+        recording.write_report(draft, record, {"furnace.csv": furnace_table(scene, results)})
         draw_furnace(draft)
     if options["as_json"]:
-        show_json(record | {"report": str(out)})
+        recording.show_json(record | {"report": str(out)})
     elif not options["quiet"]:
         show(scene, results)
         click.echo(f"Report: {out}")

@@ -24,13 +24,12 @@ def command(**options: Any) -> None:
     and a picture of the surface.
     """
     from msbsdf_cli.commands import common
-    from msbsdf_cli.report.directory import new_report, refuse_existing
+    from msbsdf_cli.report.directory import new_report
     from msbsdf_cli.studies.recording import show_end, show_json, show_run
 
     scene = common.scene_from(options)
     common.free_paths_from(options, "gaussian")
-    out = common.out_directory("simulate", scene.slug(), options["out"])
-    refuse_existing(out, options["force"])
+    out = common.out_directory("simulate", scene.slug(), options)
     refuse_mesh(options)
     resolve(scene, options)
     warnings = common.scene_warnings(options, work_s(options)) + surface_warnings(options)
@@ -112,10 +111,8 @@ def run(
 ) -> tuple[Any, dict[str, Any]]:
     """Simulate, and write the report into `draft`; the outcome and the content of run.json."""
     from msbsdf_cli.commands.common import free_paths_from
-    from msbsdf_cli.report.free_path import draw_free_paths
-    from msbsdf_cli.report.lobes import draw_lobes
     from msbsdf_cli.report.surface import draw_surface
-    from msbsdf_cli.studies.recording import now, run_record, summary, write_run
+    from msbsdf_cli.studies.recording import now, write_run
     from msbsdf_cli.studies.simulating import Resolution, make_surface, simulate
 
     started = now()
@@ -132,12 +129,7 @@ def run(
         options["max_order"],
         options["quiet"],
     )
-    record = run_record("simulate", options, started, outcome, warnings)
-    record["energies"] = summary(scene, outcome)
-    record |= outcome.notes
-    write_run(draft, scene, outcome, record)
-    draw_lobes(draft)
-    draw_free_paths(draft)
+    record = write_run(draft, "simulate", options, started, scene, outcome, warnings)
     if options.get("convergence"):
         write_convergence(draft, scene, options)
     finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))

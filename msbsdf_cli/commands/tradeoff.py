@@ -60,30 +60,27 @@ def command(**options: Any) -> None:
     floor below which no effort on the model pays.
     """
     from msbsdf_cli.commands import common
-    from msbsdf_cli.report.directory import RUN, new_report, refuse_existing, write_csv, write_json
-    from msbsdf_cli.studies.recording import methods_record, now, show_json, stopwatch
+    from msbsdf_cli.report.directory import new_report
+    from msbsdf_cli.studies import recording
     from msbsdf_cli.studies.tradeoff.study import run
 
     scene = common.scene_from(options)
     options["method"] = common.methods_for(scene, options["method"])
-    out = common.out_directory("tradeoff", scene.slug(), options["out"])
-    refuse_existing(out, options["force"])
+    out = common.out_directory("tradeoff", scene.slug(), options)
     warnings = common.scene_warnings(options, work_s(options))
     common.announce(warnings)
-    started, elapsed = now(), stopwatch()
+    started, elapsed = recording.now(), recording.stopwatch()
     with new_report(out) as draft:
         result = run(scene, options)
         common.announce(result.warnings)
         walks = sum(s.setting.samples * len(s.seconds) for s in result.series)
         warnings += result.warnings
-        record = methods_record("tradeoff", options, started, elapsed(), walks, warnings)
+        record = recording.methods_record("tradeoff", options, started, elapsed(), walks, warnings)
         record |= result.record()
-        write_json(draft / RUN, record)
-        for name, table in result.tables().items():
-            write_csv(draft / name, table)
+        recording.write_report(draft, record, result.tables())
         result.draw(draft)
     if options["as_json"]:
-        show_json(record | {"report": str(out)})
+        recording.show_json(record | {"report": str(out)})
     elif not options["quiet"]:
         show(result)
         click.echo(f"Report: {out}")

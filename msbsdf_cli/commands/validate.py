@@ -28,13 +28,12 @@ def command(**options: Any) -> None:
     when all identities hold, 3 when one fails.
     """
     from msbsdf_cli.commands import common
-    from msbsdf_cli.report.directory import new_report, refuse_existing
+    from msbsdf_cli.report.directory import new_report
     from msbsdf_cli.studies.recording import show_json
 
     if options["samples"] is None:
         options["samples"] = QUICK_SAMPLES if options["quick"] else SAMPLES
-    out = common.out_directory("validate", "quick" if options["quick"] else "full", options["out"])
-    refuse_existing(out, options["force"])
+    out = common.out_directory("validate", "quick" if options["quick"] else "full", options)
     with new_report(out) as draft:
         rows, record = run(draft, options)
     if options["as_json"]:
@@ -48,12 +47,11 @@ def command(**options: Any) -> None:
 
 def run(draft: Path, options: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
     """Measure and judge, and write the report into `draft`; the rows and run.json's content."""
-    from msbsdf_cli.report.directory import RUN, write_csv, write_json
     from msbsdf_cli.report.identities import draw_identities, draw_reciprocity
     from msbsdf_cli.studies.identities.suite import measure
     from msbsdf_cli.studies.identities.table import counts, differences, identities, summary
     from msbsdf_cli.studies.identities.verdicts import FAMILY_ERROR, judge
-    from msbsdf_cli.studies.recording import methods_record, now
+    from msbsdf_cli.studies.recording import methods_record, now, write_report
 
     started = now()
     settings = (options[name] for name in ("samples", "seed", "threads", "quick", "quiet"))
@@ -66,9 +64,8 @@ def run(draft: Path, options: dict[str, Any]) -> tuple[list[Any], dict[str, Any]
         "family_error": FAMILY_ERROR,
         "failed": [f"{r.finding.identity} ({r.finding.section})" for r in rows if r.failed],
     }
-    write_json(draft / RUN, record)
-    write_csv(draft / "identities.csv", identities(rows))
-    write_csv(draft / "reciprocity.csv", differences(rows))
+    tables = {"identities.csv": identities(rows), "reciprocity.csv": differences(rows)}
+    write_report(draft, record, tables)
     draw_identities(rows, draft / "identities.png")
     draw_reciprocity(rows, draft / "reciprocity.png")
     return rows, record

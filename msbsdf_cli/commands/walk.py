@@ -18,13 +18,12 @@ def command(**options: Any) -> None:
     Writes energies per order, moments, lobes and free paths, with standard errors.
     """
     from msbsdf_cli.commands import common
-    from msbsdf_cli.report.directory import new_report, refuse_existing
+    from msbsdf_cli.report.directory import new_report
     from msbsdf_cli.studies.recording import show_end, show_json, show_run
 
     scene = common.scene_from(options)
     common.free_paths_from(options, options["heights"])
-    out = common.out_directory("walk", scene.slug(), options["out"])
-    refuse_existing(out, options["force"])
+    out = common.out_directory("walk", scene.slug(), options)
     warnings = common.scene_warnings(options, work_s(options))
     common.announce(warnings)
     with new_report(out) as draft:
@@ -48,9 +47,7 @@ def run(
 ) -> tuple[Any, dict[str, Any]]:
     """Walk, and write the report into `draft`; the outcome and the content of run.json."""
     from msbsdf_cli.commands.common import free_paths_from
-    from msbsdf_cli.report.free_path import draw_free_paths
-    from msbsdf_cli.report.lobes import draw_lobes
-    from msbsdf_cli.studies.recording import now, run_record, summary, write_run
+    from msbsdf_cli.studies.recording import now, write_run
     from msbsdf_cli.studies.walking import walk
 
     started = now()
@@ -65,9 +62,4 @@ def run(
         options["max_order"],
         options["quiet"],
     )
-    record = run_record("walk", options, started, outcome, warnings)
-    record["energies"] = summary(scene, outcome)
-    write_run(draft, scene, outcome, record)
-    draw_lobes(draft)
-    draw_free_paths(draft)
-    return outcome, record
+    return outcome, write_run(draft, "walk", options, started, scene, outcome, warnings)

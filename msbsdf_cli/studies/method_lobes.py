@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.report.directory import RUN, write_csv, write_json
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.evaluating import evaluate
+from msbsdf_cli.studies.recording import write_report
 from msbsdf_cli.studies.tables import energy_table, lobe_table
 from msbsdf_cli.tally import Estimate, lobe_axes
 from surfaces.facet import Array
@@ -31,13 +31,14 @@ def write_method_lobes(
         directories[name].mkdir()
         mine = [v for v in values if v.method == name]
         energies = [Estimate(*v.energy[:, 0]) for v in mine if v.energy is not None]
-        write_csv(directories[name] / "energy.csv", energy_table(scene, energies, [{}] * len(mine)))
         shape = (scene.orders + 1, 1 + scene.facets().transmits, -1)
         lobes = [[a[0, :-1].reshape(shape) for a in (v.value, v.stderr)] for v in mine]
-        table = lobe_table(scene, *map(list, zip(*lobes, strict=True)))
-        write_csv(directories[name] / "lobe.csv", table)
+        tables = {
+            "energy.csv": energy_table(scene, energies, [{}] * len(mine)),
+            "lobe.csv": lobe_table(scene, *map(list, zip(*lobes, strict=True))),
+        }
         record = {"command": "evaluate", "options": options | {"method": [name]}}
-        write_json(directories[name] / RUN, record)
+        write_report(directories[name], record, tables)
     return directories
 
 

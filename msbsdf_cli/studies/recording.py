@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from msbsdf_cli import __version__
-from msbsdf_cli.report.directory import RUN, json_text, write_csv, write_json
+from msbsdf_cli.report.directory import RUN, Table, json_text, write_csv, write_json
 from msbsdf_cli.report.terminal import measured, show_table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.outcome import Outcome
@@ -24,18 +24,6 @@ PACKAGES = ("numpy", "scipy", "embreex", "trimesh", "click", "matplotlib")
 def now() -> str:
     """The time, UTC."""
     return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def run_record(
-    command: str,
-    options: dict[str, Any],
-    started: str,
-    outcome: Outcome,
-    warnings: list[str],
-) -> dict[str, Any]:
-    """The content of run.json of both producers."""
-    rates = outcome.wall_s, outcome.paths / outcome.wall_s, outcome.bounces_mean
-    return _record(command, options, started, *rates, warnings)
 
 
 def methods_record(
@@ -94,10 +82,32 @@ def summary(scene: Scene, outcome: Outcome) -> list[dict[str, Any]]:
     return entries
 
 
-def write_run(draft: Path, scene: Scene, outcome: Outcome, record: dict[str, Any]) -> None:
-    """Write run.json and every table of a run."""
+def write_run(
+    draft: Path,
+    command: str,
+    options: dict[str, Any],
+    started: str,
+    scene: Scene,
+    outcome: Outcome,
+    warnings: list[str],
+) -> dict[str, Any]:
+    """Write what the reports of both producers hold; the content of run.json."""
+    from msbsdf_cli.report.free_path import draw_free_paths
+    from msbsdf_cli.report.lobes import draw_lobes
+
+    rates = outcome.wall_s, outcome.paths / outcome.wall_s, outcome.bounces_mean
+    record = _record(command, options, started, *rates, warnings)
+    record |= {"energies": summary(scene, outcome), **outcome.notes}
+    write_report(draft, record, all_tables(scene, outcome))
+    draw_lobes(draft)
+    draw_free_paths(draft)
+    return record
+
+
+def write_report(draft: Path, record: dict[str, Any], tables: dict[str, Table]) -> None:
+    """Write run.json, and tables by the names of their files."""
     write_json(draft / RUN, record)
-    for name, table in all_tables(scene, outcome).items():
+    for name, table in tables.items():
         write_csv(draft / name, table)
 
 
