@@ -1,8 +1,13 @@
+import os
 import sys
 from pathlib import Path
 
-import numpy as np
-import pytest
+# As the command line does, before NumPy reads it: tests have a process for each core already.
+for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
+
+import numpy as np  # noqa: E402
+import pytest  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).parent))
 
