@@ -72,7 +72,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(
-    monkeypatch, bend, identity, configuration, samples, name
-):
-    assert_turns(monkeypatch, bend, identity, configuration, samples, name)
+def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
+    assert_turns(bend, identity, configuration, samples, name)
