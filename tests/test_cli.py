@@ -3,10 +3,12 @@
 import csv
 import json
 import math
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from functools import cache
 
 import pytest
 
@@ -21,6 +23,21 @@ QUICK = {
 
 def msbsdf(*words, cwd=None):
     return subprocess.run([*RUN, *map(str, words)], capture_output=True, text=True, cwd=cwd)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """The directory and the summary of a quick run, made once for all that only read them."""
+
+    @cache
+    def made(command, material="conductor"):
+        out = tmp_path_factory.mktemp("reports") / command
+        words = ["--material", material, "--threads", 2, "--out", out, "--json"]
+        result = msbsdf(*QUICK[command], *words)
+        assert result.returncode == 0, result.stderr
+        return out, json.loads(result.stdout)
+
+    return made
 
 
 def table(path):
@@ -95,12 +112,8 @@ def test_heights_below_the_surface_are_refused(tmp_path):
 
 @pytest.mark.parametrize("command", sorted(QUICK))
 @pytest.mark.parametrize("material", ["conductor", "diffuse", "dielectric"])
-def test_a_report_holds_what_the_contract_says(command, material, tmp_path):
-    out = tmp_path / "report"
-    words = [*QUICK[command], "--material", material, "--out", out, "--json"]
-    result = msbsdf(*words)
-    assert result.returncode == 0, result.stderr
-    summary = json.loads(result.stdout)
+def test_a_report_holds_what_the_contract_says(command, material, report):
+    out, summary = report(command, material)
     run = json.loads((out / "run.json").read_text())
     for key in ("command", "options", "seed", "versions", "started", "wall_s", "rate_per_s"):
         assert run[key] == summary[key]
@@ -137,25 +150,22 @@ def test_a_report_holds_what_the_contract_says(command, material, tmp_path):
 
 
 @pytest.mark.parametrize("command", sorted(QUICK))
-def test_the_same_bytes_whatever_the_threads(command, tmp_path):
-    for threads in (1, 2):
-        words = [*QUICK[command], "--seed", 3, "--threads", threads, "--material", "dielectric"]
-        assert msbsdf(*words, "--out", tmp_path / str(threads), "--quiet").returncode == 0
+def test_the_same_bytes_whatever_the_threads(command, report, tmp_path):
+    two, one = report(command, "dielectric")[0], tmp_path / "one"
+    words = [*QUICK[command], "--threads", 1, "--material", "dielectric"]
+    assert msbsdf(*words, "--out", one, "--quiet").returncode == 0
     for name in ("energy.csv", "moments.csv", "lobe.csv", "free_path.csv", "sequence.csv"):
-        first, second = ((tmp_path / str(t) / name).read_bytes() for t in (1, 2))
-        assert first == second
+        assert (one / name).read_bytes() == (two / name).read_bytes()
 
 
-def test_another_seed_gives_other_numbers(tmp_path):
-    for seed in (0, 1):
-        msbsdf(*QUICK["walk"], "--seed", seed, "--out", tmp_path / str(seed))
-    first, second = ((tmp_path / str(s) / "energy.csv").read_bytes() for s in (0, 1))
-    assert first != second
+def test_another_seed_gives_other_numbers(report, tmp_path):
+    out = tmp_path / "other"
+    assert msbsdf(*QUICK["walk"], "--seed", 1, "--out", out).returncode == 0
+    assert (out / "energy.csv").read_bytes() != (report("walk")[0] / "energy.csv").read_bytes()
 
 
-def test_a_report_is_not_overwritten_unless_forced(tmp_path):
-    out = tmp_path / "report"
-    assert msbsdf(*QUICK["walk"], "--out", out).returncode == 0
+def test_a_report_is_not_overwritten_unless_forced(report, tmp_path):
+    out = shutil.copytree(report("walk")[0], tmp_path / "report")
     before = (out / "energy.csv").read_bytes()
     (out / "notes.txt").write_text("mine")
     again = [*QUICK["walk"], "--seed", 9, "--out", out]
@@ -249,21 +259,19 @@ def test_compare_runs_both_and_compares_reports(tmp_path):
     assert one.returncode == 0, one.stderr
 
 
-def test_reports_of_different_scenes_are_refused(tmp_path):
-    assert msbsdf(*QUICK["simulate"], "--out", tmp_path / "s").returncode == 0
+def test_reports_of_different_scenes_are_refused(report, tmp_path):
+    simulated = shutil.copytree(report("simulate")[0], tmp_path / "s")
     for i, change in enumerate((["--alpha", "0.7"], ["--slopes", "ggx"], ["--metal", "gold"])):
         model = tmp_path / f"w{i}"
         assert msbsdf(*QUICK["walk"], *change, "--out", model).returncode == 0
-        result = msbsdf("compare", tmp_path / "s", model, "--out", tmp_path / "c")
+        result = msbsdf("compare", simulated, model, "--out", tmp_path / "c")
         assert result.returncode == 1
         assert "different scenes" in result.stderr
     other = msbsdf("compare", tmp_path / "w0", tmp_path / "w1", "--out", tmp_path / "c")
     assert other.returncode == 1
     assert "walk" in other.stderr
-    broken = tmp_path / "s" / "energy.csv"
-    broken.write_text("not,a\ntable")
-    assert msbsdf(*QUICK["walk"], "--out", tmp_path / "w").returncode == 0
-    result = msbsdf("compare", tmp_path / "s", tmp_path / "w", "--out", tmp_path / "c")
+    (simulated / "energy.csv").write_text("not,a\ntable")
+    result = msbsdf("compare", simulated, report("walk")[0], "--out", tmp_path / "c")
     assert result.returncode == 1
     assert "energy.csv" in result.stderr
     assert "Traceback" not in result.stderr
