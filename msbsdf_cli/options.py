@@ -230,6 +230,14 @@ _OPTIONS: dict[str, Any] = {
     ),
     "rgb": dict(is_flag=True, help="With --metal: red, green and blue in one run."),
     "method": dict(type=Methods(), metavar="NAME[,NAME...]", help=f"Of {', '.join(METHODS)}."),
+    "bidirectional": dict(
+        is_flag=True, help="Position-free methods: sub-paths from both ends, all connections."
+    ),
+    "accuracy-of-solve": dict(
+        type=Real(lambda a: 0 < a < 1, "an accuracy: a number between 0 and 1"),
+        metavar="E",
+        help="Wanted error of each order's energy by solve, which refines its nodes for it.",
+    ),
     "phi-o": dict(
         type=Angles(-math.inf, math.inf, "in radians", count=1),
         metavar="P",
@@ -306,6 +314,7 @@ VARIANTS = {
     "eta-k-channels": "eta-k",
     "albedo-channels": "albedo",
     "theta-furnace": "theta",
+    "accuracy-of-solve": "accuracy",
 }
 """Options that some commands have in another form, by the name that the user types."""
 

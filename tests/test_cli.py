@@ -1,6 +1,5 @@
 """The command line as a user meets it, in processes of its own."""
 
-import csv
 import json
 import math
 import shutil
@@ -11,18 +10,14 @@ import time
 from functools import cache
 
 import pytest
+from command_line import RUN, msbsdf, table
 
-RUN = [sys.executable, "-c", "from msbsdf_cli.cli import main; main()"]
 FEW = ["--theta", "0.5,80deg", "--free-path-theta", "1,2", "--free-path-height", "-1,0,inf"]
 QUICK = {
     "walk": ["walk", "--samples", "2e4", *FEW],
     "simulate": ["simulate", "--samples", "1e4", *FEW, "--realisations", "4", "--extent", "8",
                  "--cells", "4"],
 }  # fmt: skip
-
-
-def msbsdf(*words, cwd=None):
-    return subprocess.run([*RUN, *map(str, words)], capture_output=True, text=True, cwd=cwd)
 
 
 @pytest.fixture(scope="module")
@@ -38,11 +33,6 @@ def report(tmp_path_factory):
         return out, json.loads(result.stdout)
 
     return made
-
-
-def table(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 @pytest.mark.parametrize(
@@ -189,7 +179,7 @@ def test_a_directory_of_other_files_is_left_alone(tmp_path):
 def test_interrupted_runs_leave_nothing(tmp_path):
     out = tmp_path / "report"
     process = subprocess.Popen(
-        [*RUN, "walk", "--samples", "1e11", "--out", str(out)],
+        [sys.executable, "-c", RUN, "walk", "--samples", "1e11", "--out", str(out)],
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
@@ -204,7 +194,9 @@ def test_interrupted_runs_leave_nothing(tmp_path):
 
 def test_what_takes_long_is_said_beforehand(tmp_path):
     words = ["walk", "--samples", "1e12", "--out", str(tmp_path / "r")]
-    process = subprocess.Popen([*RUN, *words], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUN, *words], stderr=subprocess.PIPE, text=True
+    )
     line = process.stderr.readline()
     process.terminate()
     process.communicate(timeout=20)

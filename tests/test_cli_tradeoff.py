@@ -1,13 +1,12 @@
 """`msbsdf tradeoff` as a user meets it."""
 
-import csv
 import json
 import subprocess
 import sys
 
 import pytest
+from command_line import msbsdf, table
 
-RUN = [sys.executable, "-c", "from msbsdf_cli.cli import main; main()", "tradeoff"]
 QUICK = ["--theta", "0.5", "--samples", "64", "--replicates", "4", "--directions", "16"]
 SURFACES = ["--rays", "2e3", "--cells", "4", "--extent", "8", "--realisations", "8"]
 CONTRACT = [
@@ -17,12 +16,7 @@ CONTRACT = [
 
 
 def tradeoff(*words):
-    return subprocess.run([*RUN, *map(str, words)], capture_output=True, text=True)
-
-
-def table(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return msbsdf("tradeoff", *words)
 
 
 def test_a_report_holds_what_the_contract_says(tmp_path):

@@ -1,13 +1,12 @@
 """`msbsdf validate` as a user meets it, in processes of its own."""
 
-import csv
 import json
 import subprocess
 import sys
 
 import pytest
+from command_line import msbsdf, table
 
-RUN = "from msbsdf_cli.cli import main; main()"
 FEW = ["--quick", "--samples", "2e3", "--threads", "2"]
 
 # A program whose projected areas are 1 % too large, as a user would meet it. It leaves out the
@@ -27,24 +26,18 @@ COLUMNS = [
 ]
 
 
-def msbsdf(*words, before="", cwd=None):
-    return subprocess.run(
-        [sys.executable, "-c", before + RUN, "validate", *map(str, words)],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-    )
+def validate(*words, **how):
+    return msbsdf("validate", *words, **how)
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     out = tmp_path_factory.mktemp("validate") / "report"
-    return out, msbsdf(*FEW, "--json", "--out", out)
+    return out, validate(*FEW, "--json", "--out", out)
 
 
 def rows(out):
-    with open(out / "identities.csv", newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return table(out / "identities.csv")
 
 
 def test_a_correct_program_holds(report):
@@ -76,7 +69,7 @@ def test_the_table_is_what_the_contract_says(report):
 
 def test_a_bent_program_ends_with_status_3(tmp_path):
     out = tmp_path / "r"
-    result = msbsdf(*FEW, "--out", out, before=BENT)
+    result = validate(*FEW, "--out", out, before=BENT)
     assert result.returncode == 3, result.stderr
     assert "Traceback" not in result.stderr
     failed = {row["identity"] for row in rows(out) if row["verdict"] == "fails"}
@@ -87,7 +80,7 @@ def test_a_bent_program_ends_with_status_3(tmp_path):
 
 def test_the_same_numbers_whatever_the_threads(report, tmp_path):
     other = tmp_path / "r"
-    assert msbsdf(*FEW[:-1], 1, "--quiet", "--out", other).returncode == 0
+    assert validate(*FEW[:-1], 1, "--quiet", "--out", other).returncode == 0
     for name in ("identities.csv", "reciprocity.csv"):
         assert (other / name).read_bytes() == (report[0] / name).read_bytes()
 
@@ -99,7 +92,7 @@ def test_bad_input_is_refused_in_a_sentence(report, tmp_path):
         (["--seed", "-1"], "-1"),
         (["--out", report[0]], "--force"),
     ):
-        result = msbsdf(*words, cwd=tmp_path)
+        result = validate(*words, cwd=tmp_path)
         assert result.returncode == 2
         assert said in result.stderr
         assert "Traceback" not in result.stderr

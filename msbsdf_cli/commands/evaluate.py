@@ -8,7 +8,7 @@ from msbsdf_cli.options import MODEL_IN_COLOUR, REPORT, samples, use
 
 
 @click.command("evaluate")
-@use("method", *MODEL_IN_COLOUR, "phi-o", "points", "orders")
+@use("method", "bidirectional", *MODEL_IN_COLOUR, "phi-o", "points", "orders")
 @samples("1e5")
 @use("seed", "threads", "precision", *REPORT)
 def command(**options: Any) -> None:
@@ -29,12 +29,16 @@ def command(**options: Any) -> None:
     out = common.out_directory("evaluate", scene.slug(), options)
     walks = options["samples"] * len(options["theta"]) * len(options["method"])
     warnings = common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S)
+    both_ends = options["bidirectional"]
+    if both_ends and not any(name.startswith("position-free") for name in options["method"]):
+        warnings.append("--bidirectional has no effect: it is for the position-free methods.")
     common.announce(warnings)
     started, elapsed = recording.now(), recording.stopwatch()
     directions = slice_directions(scene, options["phi_o"], options["points"])
     arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
     with new_report(out) as draft:
-        values = evaluate(scene, options["method"], directions.wo, options["samples"], *arithmetic)
+        work = scene, options["method"], directions.wo, options["samples"]
+        values = evaluate(*work, *arithmetic, bidirectional=both_ends)
         record = recording.methods_record("evaluate", options, started, elapsed(), walks, warnings)
         record["methods"] = [
             {

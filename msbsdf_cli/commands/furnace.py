@@ -17,16 +17,18 @@ from msbsdf_cli.options import MODEL_IN_COLOUR, REPORT, Roughness, samples, use
     help="Roughness, along x and y; repeat it for several.",
 )
 @use("method", *(name for name in MODEL_IN_COLOUR if name not in ("alpha", "theta")))
-@use("theta-furnace", "orders")
+@use("theta-furnace", "orders", "accuracy-of-solve")
 @samples("4096")
 @use("seed", "threads", *REPORT)
 def command(**options: Any) -> None:
-    """Directional albedo of every method, over angle and roughness; the white sphere.
+    """Directional albedo of every method, order by order, over angle and roughness; the white
+    sphere.
 
     Without --method: all methods that hold for the material. A sphere that disappears before the
     white wall conserves energy.
     """
     from msbsdf_cli.commands import common
+    from msbsdf_cli.methods.solve import Solve
     from msbsdf_cli.report.directory import new_report
     from msbsdf_cli.report.furnace import draw_furnace
     from msbsdf_cli.studies import recording
@@ -37,11 +39,22 @@ def command(**options: Any) -> None:
     options["method"] = common.methods_for(scene, options["method"])
     out = common.out_directory("furnace", f"{scene.material}-{scene.slopes}", options)
     warnings = common.scene_warnings(options | {"alpha": sum(alphas, ())}, 0.0)
+    accuracy = options["accuracy"]
+    if accuracy is not None and Solve.name not in options["method"]:
+        warnings.append("--accuracy has no effect: it is for --method solve.")
     common.announce(warnings)
     started, elapsed = recording.now(), recording.stopwatch()
-    settings = options["samples"], options["seed"], options["threads"], options["quiet"]
+    settings = options["samples"], options["seed"], accuracy, options["threads"], options["quiet"]
     with new_report(out) as draft:
         results = furnace(scene, alphas, options["method"], *settings)
+        late = [
+            f"method solve reached an error of {r.stderr[..., :-1].max():.2g} at alpha "
+            f"{r.alpha[0]:g},{r.alpha[1]:g}, not {accuracy:g}."
+            for r in results
+            if r.method == Solve.name and accuracy and r.stderr[..., :-1].max() > accuracy
+        ]
+        common.announce(late)
+        warnings += late
         walks = options["samples"] * len(results) * len(scene.theta)
         record = recording.methods_record("furnace", options, started, elapsed(), walks, warnings)
         recording.write_report(draft, record, {"furnace.csv": furnace_table(scene, results)})
@@ -61,7 +74,10 @@ def show(scene: Any, results: list[Any]) -> None:
         (
             r.method,
             ",".join(f"{a:g}" for a in dict.fromkeys(r.alpha)),
-            *(measured(float(v[0]), float(e[0])) for v, e in zip(r.value, r.stderr, strict=True)),
+            *(
+                measured(float(v[0, -1]), float(e[0, -1]))
+                for v, e in zip(r.value, r.stderr, strict=True)
+            ),
         )
         for r in results
     ]

@@ -46,8 +46,8 @@ class Holds:
     """Whether values have no noise, so that samples make no difference."""
 
     def albedo(self, wi: Array) -> tuple[Array, Array] | None:
-        """Energy that leaves in all and its error, (channels,) each, for `wi` (3,); None where the
-        method knows it no better than by adding up its values."""
+        """Energy that leaves after each order, on both sides, and its error, (channels, orders + 1)
+        each, for `wi` (3,); None where the method knows it no better than by adding up values."""
         return None
 
     @classmethod

@@ -56,8 +56,8 @@ class Method(Protocol):
         """
 
     def albedo(self, wi: Array) -> tuple[Array, Array] | None:
-        """Energy that leaves in all and its error, (channels,) each, for `wi` (3,); None where the
-        method knows it no better than by adding up its values."""
+        """Energy that leaves after each order, on both sides, and its error, (channels, orders + 1)
+        each, for `wi` (3,); None where the method knows it no better than by adding up values."""
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Draw outgoing directions (3, n) and their weights (channels, n): BSDF x cos / density."""

@@ -20,6 +20,10 @@ roughness and for two. The error falls by far more than a half from one to the n
 estimate is on the safe side; but near grazing angles a grid of directions is too coarse for that
 to hold, and then the coarsest shows it."""
 
+REFINEMENT = 1.5
+REFINEMENTS = 5
+"""Factor between resolutions, and how many are tried, where an accuracy is asked for: up to 5."""
+
 
 @dataclass(frozen=True)
 class Energy:
@@ -60,6 +64,19 @@ class Solve(Holds):
             _solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
         )
 
+    @classmethod
+    def accurate(
+        cls, slopes: Slopes, material: Material, orders: int, wi: Array, accuracy: float
+    ) -> "Solve":
+        """At the lowest of resolutions 1, 1.5, 2.25 ... that by its own estimate knows each order's
+        energy to `accuracy`, for light from any of `wi` (3, n); or at the finest of them.
+        """
+        for step in range(REFINEMENTS):
+            solution = cls(slopes, material, orders, REFINEMENT**step)
+            if all(solution.energy(d).error.max() <= accuracy for d in wi.T):
+                break
+        return solution
+
     def evaluate(
         self, wi: Array, wo: Array, samples: int = 0, rng: np.random.Generator | None = None
     ) -> Evaluation:
@@ -85,9 +102,9 @@ class Solve(Holds):
         return Energy(fine[:, 0], fine[:, 1], error)
 
     def albedo(self, wi: Array) -> tuple[Array, Array]:
-        """Energy of all orders and both sides, and its error estimate."""
+        """Energy of each order, both sides, and its error estimate, (channels, orders + 1)."""
         energy = self.energy(wi)
-        return (energy.reflected + energy.transmitted).sum(axis=1), energy.error.sum(axis=1)
+        return energy.reflected + energy.transmitted, energy.error
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Not offered."""

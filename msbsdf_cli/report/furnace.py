@@ -87,6 +87,7 @@ def _curve(columns: dict[str, Array], alpha: Any, method: str, channel: str) -> 
         & (columns["alpha_y"] == alpha[1])
         & (columns["method"] == method)
         & (columns["channel"] == channel)
+        & (columns["order"] == "all")
     )
     return tuple(columns[name][mine] for name in ("theta_i_rad", "albedo", "stderr"))
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from msbsdf_cli.methods.position_free import PositionFree
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.parallel import Progress, in_order
@@ -35,6 +36,8 @@ class EvaluationJob:
     precision: str
     wo: Array
     """Outgoing directions (3, n)."""
+    bidirectional: bool
+    """Whether position-free models follow paths from both ends."""
 
 
 @dataclass
@@ -63,14 +66,16 @@ def evaluate(
     precision: str,
     quiet: bool,
     solid_angle: Array | None = None,
+    bidirectional: bool = False,
 ) -> list[Values]:
     """All methods for all incident angles and outgoing directions (3, n), angle by angle.
 
-    `solid_angle` (n,) makes the directions a quadrature, and energies of it.
+    `solid_angle` (n,) makes the directions a quadrature, and energies of it. `bidirectional` is for
+    the position-free models, see `msbsdf_cli.methods.position_free`.
     Raises `NotForThis` where a method does not hold for the scene.
     """
     jobs = [
-        EvaluationJob(scene, name, angles, part, size, seed, precision, wo)
+        EvaluationJob(scene, name, angles, part, size, seed, precision, wo, bidirectional)
         for name in methods
         for angles in _shared_angles(len(scene.theta), METHODS[name].deterministic)
         for part, size in enumerate(_parts(samples, METHODS[name].deterministic))
@@ -115,7 +120,7 @@ def run_job(job: EvaluationJob) -> list[Part]:
     parts = []
     for i in job.angles:
         started = time.perf_counter()
-        method = _method(job.method, scene)
+        method = _method(job.method, scene, job.bidirectional)
         place = [job.seed, list(METHODS).index(job.method), i, job.part]
         rng = np.random.Generator(np.random.SFC64(place))
         evaluation = method.evaluate(scene.wi(scene.theta[i], dtype), wo, job.samples, rng)
@@ -124,9 +129,13 @@ def run_job(job: EvaluationJob) -> list[Part]:
 
 
 @lru_cache(maxsize=2)
-def _method(name: str, scene: Scene) -> Method:
+def _method(name: str, scene: Scene, bidirectional: bool) -> Method:
     """Set up once in a process for all parts and angles."""
-    return METHODS[name](scene.distribution(), scene.facets(), scene.orders)
+    arguments = scene.distribution(), scene.facets(), scene.orders
+    method = METHODS[name]
+    if bidirectional and issubclass(method, PositionFree):
+        return method(*arguments, bidirectional=True)
+    return method(*arguments)
 
 
 def _energy(values: Array, share: Array, wo: Array, solid_angle: Array) -> Array:

@@ -11,18 +11,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msbsdf_cli.methods.directions import exits
+from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.single import Single, first_order, phase_density
+from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.parallel import Progress, in_order
 from msbsdf_cli.report.directory import Table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.slicing import channel_names
+from msbsdf_cli.studies.tables import order_names
 from surfaces.facet import Array, unit_circle
 
 REPEATS = 16
-"""Independent repetitions, whose spread is the standard error."""
+"""At least so many independent repetitions, whose spread is the standard error."""
 DIRECTIONS = 256
-"""Outgoing directions of a repetition."""
+"""Outgoing directions of a repetition, and walks if there are more than enough repetitions: noise
+comes from both alike."""
 FIRST = 16384
 """Samples of the first bounce of a repetition."""
 
@@ -35,11 +39,14 @@ class FurnaceJob:
     method: str
     samples: int
     seed: int
+    accuracy: float | None
+    """Wanted of `solve`."""
 
 
 @dataclass
 class Albedos:
-    """Albedo and standard error of a method at a roughness, (theta, channels)."""
+    """Albedo and standard error of a method at a roughness, (theta, channels, orders + 2): orders 1
+    to K, all the later ones, and all together."""
 
     method: str
     alpha: tuple[float, float]
@@ -53,12 +60,13 @@ def furnace(
     methods: tuple[str, ...],
     samples: int,
     seed: int,
+    accuracy: float | None,
     threads: int,
     quiet: bool,
 ) -> list[Albedos]:
     """All methods at all roughnesses, for the incident angles of `scene`."""
     jobs = [
-        FurnaceJob(replace(scene, alpha=alpha), name, samples, seed)
+        FurnaceJob(replace(scene, alpha=alpha), name, samples, seed, accuracy)
         for name in methods
         for alpha in alphas
     ]
@@ -73,29 +81,43 @@ def furnace(
 def run_furnace(job: FurnaceJob) -> Albedos:
     """Albedos of one method at one roughness."""
     scene = job.scene
-    slopes, material = scene.distribution(), scene.facets()
-    method = METHODS[job.method](slopes, material, scene.orders)
-    single = Single(slopes, material, scene.orders)
-    value = np.zeros((len(scene.theta), material.channels))
-    stderr = np.zeros_like(value)
-    for i, theta in enumerate(scene.theta):
-        wi = scene.wi(theta)
+    arguments = scene.distribution(), scene.facets(), scene.orders
+    directions = np.stack([scene.wi(theta) for theta in scene.theta], axis=1)
+    if job.method == Solve.name and job.accuracy is not None:
+        method: Method = Solve.accurate(*arguments, directions, job.accuracy)
+    else:
+        method = METHODS[job.method](*arguments)
+    single = Single(*arguments)
+    rows = []
+    for i, wi in enumerate(directions.T):
         known = method.albedo(wi)
         if known is not None:
-            value[i], stderr[i] = known
+            rows.append([_with_total(a) for a in known])
             continue
-        repeats = np.zeros((REPEATS, material.channels))
-        for repeat in range(REPEATS):
-            rng = np.random.Generator(np.random.SFC64([job.seed, i, repeat]))
-            first = single.sample(wi, FIRST, rng)[1].mean(axis=1)
-            wo, share = _outgoing(single, wi, rng)
-            walks = -(-job.samples // REPEATS)
-            added = method.evaluate(wi, wo, walks, rng).value.sum(axis=1)
-            added -= first_order(slopes, material, wi, exits(slopes, wo))
-            repeats[repeat] = first + (added * share).sum(axis=1)
-        value[i] = repeats.mean(axis=0)
-        stderr[i] = repeats.std(axis=0, ddof=1) / np.sqrt(REPEATS)
+        n = max(REPEATS, job.samples // DIRECTIONS)
+        walks = -(-job.samples // n)
+        seeds = ([job.seed, i, repeat] for repeat in range(n))
+        repeats = np.array([_integrate(method, single, wi, walks, seed) for seed in seeds])
+        rows.append([repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / np.sqrt(n)])
+    value, stderr = np.moveaxis(np.array(rows), 1, 0)
     return Albedos(job.method, scene.alpha, value, stderr)
+
+
+def _integrate(method: Method, single: Single, wi: Array, walks: int, seed: list[int]) -> Array:
+    """One repetition: albedos (channels, orders + 2)."""
+    rng = np.random.Generator(np.random.SFC64(seed))
+    first = single.sample(wi, FIRST, rng)[1].mean(axis=1)
+    wo, share = _outgoing(single, wi, rng)
+    added = method.evaluate(wi, wo, walks, rng).value
+    added[:, 0] -= first_order(single.slopes, single.material, wi, exits(single.slopes, wo))
+    orders = added @ share
+    orders[:, 0] += first
+    return _with_total(orders)
+
+
+def _with_total(orders: Array) -> Array:
+    """(channels, orders + 1) and their sum."""
+    return np.concatenate([orders, orders.sum(axis=1, keepdims=True)], axis=1)
 
 
 def _outgoing(single: Single, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -120,21 +142,24 @@ def furnace_table(scene: Scene, results: list[Albedos]) -> Table:
     """furnace.csv"""
     names = ("method", "material", "slopes", "alpha_x", "alpha_y", "theta_i_rad")
     table: dict[str, list[float | str]] = {
-        name: [] for name in (*names, "albedo", "stderr", "channel")
+        name: [] for name in (*names, "order", "albedo", "stderr", "channel")
     }
+    orders = [*order_names(scene.orders), "all"]
     for result in results:
-        for c, channel in enumerate(channel_names(result.value.shape[1])):
-            for i, theta in enumerate(scene.theta):
-                row: tuple[float | str, ...] = (
-                    result.method,
-                    scene.material,
-                    scene.slopes,
-                    *result.alpha,
-                    theta,
-                    float(result.value[i, c]),
-                    float(result.stderr[i, c]),
-                    channel,
-                )
-                for column, cell in zip(table.values(), row, strict=True):
-                    column.append(cell)
+        channels = channel_names(result.value.shape[1])
+        for place in np.ndindex(result.value.shape):
+            i, c, k = place
+            row: tuple[float | str, ...] = (
+                result.method,
+                scene.material,
+                scene.slopes,
+                *result.alpha,
+                scene.theta[i],
+                orders[k],
+                float(result.value[place]),
+                float(result.stderr[place]),
+                channels[c],
+            )
+            for column, cell in zip(table.values(), row, strict=True):
+                column.append(cell)
     return table
