@@ -13,6 +13,9 @@ from surfaces.facet import Array
 NUMBERS = ("theta_i_rad", "theta_o_rad", "phi_o_rad", "value_per_sr", "stderr_per_sr")
 DASHES = ("-", "--", "-.", ":")
 
+BAND_ROOM = 1.3
+"""Height of a panel over that of its highest line."""
+
 
 def draw_slices(directory: Path) -> None:
     """A row for each incident angle, a column for each order; a line for each method with a band of
@@ -33,7 +36,9 @@ def draw_slices(directory: Path) -> None:
                     mine = here & (columns["method"] == method) & (columns["channel"] == channel)
                     _line(axis, {k: columns[k][mine] for k in NUMBERS}, m, channel)
             axis.set_title(f"theta_i = {theta:.4g}, order {order}")
-            axis.set_ylim(bottom=0)
+            # Bands of what hardly a walk has found are wide; the lines are what is to be seen.
+            largest = columns["value_per_sr"][here].max()
+            axis.set_ylim(0, BAND_ROOM * largest if largest > 0 else 1)
             if i == len(angles) - 1:
                 axis.set_xlabel("angle from the zenith, degrees")
         axes[i, 0].set_ylabel("BSDF x cos(theta_o)  [1/sr]")
