@@ -125,7 +125,9 @@ class WalkLowVariance(SampledByWalk):
 
     def _seen_from_beyond(self, walks: Forced, after: Forced) -> Array:
         """What the same path, walked from its other end, would send to this walk's start."""
-        Lambda = self.slopes.sigma(-walks.d) / np.maximum(-walks.d[2], np.finfo(walks.d.dtype).tiny)
+        # From the horizon Lambda is finite here, as in `exits`.
+        cos = np.maximum(-walks.d[2], np.finfo(walks.d.dtype).eps ** 2)
+        Lambda = self.slopes.sigma(-walks.d) / cos
         back = reversed_phase(self.slopes, self.material, walks, after)
         return back * np.exp(-Lambda * walks.t)
 
