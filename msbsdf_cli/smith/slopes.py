@@ -28,7 +28,8 @@ class Slopes(Protocol):
         """Roughness along y."""
 
     def D(self, m: Array) -> Array:
-        """Distribution of normals over unit vectors (3, n), per steradian."""
+        """Distribution of normals over unit vectors (3, ...), per steradian; of a vector of any
+        other length that of its direction over the length to the fourth power."""
 
     def sigma(self, d: Array) -> Array:
         """Area of the facets, projected on the plane normal to `d`, that face against the unit
