@@ -17,8 +17,8 @@ def lambertian_density(slopes: Slopes, d: Array, w: Array) -> Array:
 
     Facets that see both directions fill a lune between two great circles. Stretched by the
     roughness, m = A m' / |A m'|, a lune stays a lune, D is D(A m') |A m'|^4, whose width is that of
-    roughness 1, and dm is dm' times alpha_x alpha_y / |A m'|^3. Half circles from pole to pole, at angles eta,
-    are cut by the horizon at chi = `cut`; along them both cosines go with sin(chi).
+    roughness 1, and dm is dm' times alpha_x alpha_y / |A m'|^3. Half circles from pole to pole, at
+    angles eta, are cut by the horizon at chi = `cut`; along them both cosines go with sin(chi).
     """
     stretch = np.array([slopes.alpha_x, slopes.alpha_y, 1.0])[:, None]
     a, b = -d * stretch, w * stretch

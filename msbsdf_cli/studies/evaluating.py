@@ -70,16 +70,24 @@ def evaluate(
 ) -> list[Values]:
     """All methods for all incident angles and outgoing directions (3, n), angle by angle.
 
-    `solid_angle` (n,) makes the directions a quadrature, and energies of it. `bidirectional` is for
+    Directions (k, 3, n) are averaged over k: parts of the samples take them in turn, so that they
+    cost no more, and a method without noise does all of them. `solid_angle` (n,) makes the
+    directions a quadrature, and energies of it. `bidirectional` is for
     the position-free models, see `msbsdf_cli.methods.position_free`.
     Raises `NotForThis` where a method does not hold for the scene.
     """
-    jobs = [
-        EvaluationJob(scene, name, angles, part, size, seed, precision, wo, bidirectional)
-        for name in methods
-        for angles in _shared_angles(len(scene.theta), METHODS[name].deterministic)
-        for part, size in enumerate(_parts(samples, METHODS[name].deterministic))
-    ]
+    turns = wo.reshape(-1, *wo.shape[-2:])
+    jobs = []
+    for name in methods:
+        noiseless = METHODS[name].deterministic
+        sizes = [1] * len(turns) if noiseless else _parts(samples)
+        for angles in _shared_angles(len(scene.theta), noiseless):
+            for k, size in enumerate(sizes):
+                ends = turns[k % len(turns)]
+                job = EvaluationJob(
+                    scene, name, angles, k, size, seed, precision, ends, bidirectional
+                )
+                jobs.append(job)
     parts: dict[tuple[int, str], list[Part]] = {}
     with Progress("evaluate", len(jobs), "parts", quiet) as progress:
         for job, results in zip(jobs, in_order(run_job, jobs, threads), strict=True):
@@ -87,7 +95,7 @@ def evaluate(
                 parts.setdefault((i, job.method), []).append(part)
             progress.advance(1)
     return [
-        _merge(name, theta, parts[i, name], wo, solid_angle)
+        _merge(name, theta, parts[i, name], turns[0], solid_angle)
         for i, theta in enumerate(scene.theta)
         for name in methods
     ]
@@ -101,9 +109,7 @@ class Part(NamedTuple):
     seconds: float
 
 
-def _parts(samples: int, deterministic: bool) -> list[int]:
-    if deterministic:
-        return [samples]
+def _parts(samples: int) -> list[int]:
     count = min(max(PARTS, -(-samples // PART)), samples)
     return [samples // count + (i < samples % count) for i in range(count)]
 
@@ -154,17 +160,20 @@ def _merge(
 ) -> Values:
     share = np.array([part.samples for part in parts], float)
     share /= share.sum()
+    noiseless = METHODS[method].deterministic
     values = np.array([part.evaluation.value for part in parts], float)
     stderrs = np.array([part.evaluation.stderr for part in parts], float)
     weight = share[:, None, None, None]
     value = (weight * values).sum(axis=0)
     stderr = np.sqrt(((weight * stderrs) ** 2).sum(axis=0))
+    if noiseless:
+        stderr = (weight * stderrs).sum(axis=0)
     # One walk of a part, the brightest that any part knows of, adds less among all.
     unseen = np.max([s * p.evaluation.unseen for s, p in zip(share, parts, strict=True)], axis=0)
     stderr[:, 1:] = np.hypot(stderr[:, 1:], unseen)
     totals = values.sum(axis=2)
     total = value.sum(axis=1)
-    if len(parts) > 1:
+    if len(parts) > 1 and not noiseless:
         spread = (share[:, None, None] * (totals - total) ** 2).sum(axis=0)
         total_stderr = np.hypot(np.sqrt(spread / (len(parts) - 1)), unseen)
     else:

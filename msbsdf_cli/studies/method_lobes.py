@@ -1,16 +1,22 @@
 """Lobes of a method as a report, so that it can be held against a simulated one."""
 
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import qmc
 
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.evaluating import evaluate
 from msbsdf_cli.studies.recording import write_report
 from msbsdf_cli.studies.tables import energy_table, lobe_table
-from msbsdf_cli.tally import Estimate, lobe_axes
+from msbsdf_cli.tally import PHI_BINS, Estimate, lobe_axes
 from surfaces.facet import Array
+from surfaces.materials import Dielectric
+
+MOST_PLACES = 16
+"""At most so many places in a bin: as many as there are parts of the samples to take them."""
 
 SAMPLES_SHARE = 1 / 100
 """Walks of a method for each ray of the simulation: every walk serves all the bins."""
@@ -19,9 +25,9 @@ SAMPLES_SHARE = 1 / 100
 def write_method_lobes(
     draft: Path, scene: Scene, methods: tuple[str, ...], options: dict[str, Any]
 ) -> dict[str, Path]:
-    """Evaluate methods at the centres of the lobes' bins; a directory for each, by name, with
-    energy.csv and lobe.csv."""
-    wo, solid_angle = _bins(scene.facets().transmits)
+    """Evaluate methods in the lobes' bins; a directory for each, by name, with energy.csv and
+    lobe.csv."""
+    wo, solid_angle = bins(scene.facets().transmits, places(scene))
     samples = max(round(options["samples"] * SAMPLES_SHARE), 32)
     arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
     values = evaluate(scene, methods, wo, samples, *arithmetic, solid_angle)
@@ -42,12 +48,41 @@ def write_method_lobes(
     return directories
 
 
-def _bins(transmits: bool) -> tuple[Array, Array]:
-    """Directions (3, n) of bin centres and solid angles (n,): one hemisphere, then the other."""
+def places(scene: Scene) -> int:
+    """In how many places of a bin to evaluate: a power of 2, so many that the steps of azimuth are
+    below half a lobe's standard deviation, but at most `MOST_PLACES`.
+
+    A facet's slope has the standard deviation alpha / sqrt(2); reflection doubles it as an angle,
+    and refraction takes it times 1 - 1 / ior.
+    """
+    material = scene.facets()
+    bend = 2.0
+    if isinstance(material, Dielectric):
+        bend = 1 - min(material.ior, 1 / material.ior)
+    width = bend * min(scene.alpha) / math.sqrt(2)
+    wanted = 2 * (2 * math.pi / PHI_BINS) / width
+    return min(2 ** max(math.ceil(math.log2(wanted)), 0), MOST_PLACES)
+
+
+def bins(transmits: bool, k: int) -> tuple[Array, Array]:
+    """Directions (k, 3, n) in the bins, each row in the same place of all of them, and the bins'
+    solid angles (n,): one hemisphere, then the other. Places are the first `k` of Sobol's points,
+    even in solid angle; a single one is the centre."""
     polar, azimuth, solid_angle = lobe_axes()
-    theta, phi = (a.ravel() for a in np.meshgrid(polar, azimuth, indexing="ij"))
-    w = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+    half = (polar[1] - polar[0]) / 2
+    # Without scrambling each axis is at the lower ends of k equal parts.
+    points = qmc.Sobol(2, scramble=False).random(k) + 0.5 / k
+    w = np.empty((k, 3, polar.size, azimuth.size))
+    for place, (u, v) in zip(w, points, strict=True):
+        top, bottom = np.cos(polar - half), np.cos(polar + half)
+        cos = np.cos(polar) if k == 1 else top + u * (bottom - top)
+        phi = azimuth + (v - 0.5) * (azimuth[1] - azimuth[0])
+        sin = np.sqrt(1 - cos * cos)
+        place[0] = np.multiply.outer(sin, np.cos(phi))
+        place[1] = np.multiply.outer(sin, np.sin(phi))
+        place[2] = cos[:, None]
+    wo = w.reshape(k, 3, -1)
     solid = np.repeat(solid_angle, azimuth.size)
     if not transmits:
-        return w, solid
-    return np.hstack([w, w * np.array([[1], [1], [-1]])]), np.tile(solid, 2)
+        return wo, solid
+    return np.concatenate([wo, wo * np.array([[1], [1], [-1]])], axis=2), np.tile(solid, 2)
