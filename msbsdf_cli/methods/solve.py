@@ -15,10 +15,10 @@ from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
 COARSER = (0.75,)
 COARSER_OF_TWO = (0.75, 0.5)
-"""Resolutions of further solutions; the greatest difference from them estimates the error, for one
-roughness and for two. The error falls by far more than a half from one to the next, so that the
-estimate is on the safe side; but near grazing angles a grid of directions is too coarse for that
-to hold, and then the coarsest shows it."""
+"""Resolutions of further solutions, for one roughness and for two; the difference from the first
+estimates the error, which falls by more than a half between the two. Directional values of a grid
+near grazing angles are too coarse for that to hold: there the second shows it, where they differ
+more."""
 
 REFINEMENT = 1.5
 REFINEMENTS = 5
@@ -35,7 +35,7 @@ class Energy:
     reflected: Array
     transmitted: Array
     error: Array
-    """Error estimate of both together, from several resolutions."""
+    """Error estimate of both together, from two resolutions."""
 
 
 class Solve(Holds):
@@ -96,9 +96,8 @@ class Solve(Holds):
 
     def energy(self, wi: Array) -> Energy:
         """Energy of each order that leaves, for a unit vector `wi` (3,), z > 0."""
-        fine = self.fine.energy(wi.astype(float))
-        differences = [np.abs(fine - c.energy(wi.astype(float))) for c in self.coarse]
-        error = np.max(differences, axis=0).sum(axis=1)
+        fine, coarse = (s.energy(wi.astype(float)) for s in (self.fine, self.coarse[0]))
+        error = np.abs(fine - coarse).sum(axis=1)
         return Energy(fine[:, 0], fine[:, 1], error)
 
     def albedo(self, wi: Array) -> tuple[Array, Array]:
