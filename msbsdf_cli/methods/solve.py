@@ -14,11 +14,11 @@ from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
 COARSER = (0.75,)
-COARSER_OF_TWO = (0.75, 0.5)
-"""Resolutions of further solutions, for one roughness and for two; the difference from the first
-estimates the error, which falls by more than a half between the two. Directional values of a grid
-near grazing angles are too coarse for that to hold: there the second shows it, where they differ
-more."""
+COARSER_OF_RIPPLES = (0.75, 0.5)
+"""Resolutions of further solutions; the difference from the first estimates the error, which falls
+by more than a half between the two. Directional values of dielectrics and of a grid of directions
+are interpolated, and ripple about the right ones: two that differ little may both be off, and the
+second is there to show it."""
 
 REFINEMENT = 1.5
 REFINEMENTS = 5
@@ -59,7 +59,8 @@ class Solve(Holds):
         """
         self.refuse(slopes, material)
         self.slopes, self.material = slopes, material
-        coarser = COARSER if slopes.alpha_x == slopes.alpha_y else COARSER_OF_TWO
+        ripples = slopes.alpha_x != slopes.alpha_y or isinstance(material, Dielectric)
+        coarser = COARSER_OF_RIPPLES if ripples else COARSER
         self.fine, *self.coarse = (
             _solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
         )
