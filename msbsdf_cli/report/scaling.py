@@ -8,7 +8,7 @@ from matplotlib.ticker import NullFormatter
 
 from msbsdf_cli.report.style import panels, plt, save
 from msbsdf_cli.report.tradeoff import LOOKS
-from msbsdf_cli.studies.tradeoff.reach import Reach
+from msbsdf_cli.studies.tradeoff.reach import Reach, times
 from msbsdf_cli.studies.tradeoff.scaling import Scaling
 
 AXES = {
@@ -126,8 +126,5 @@ def _draw_corner(axis: Any, i: int, j: int, here: list[Reach]) -> None:
         return
     square = (j - 0.48, i - 0.48)
     axis.add_patch(plt.Rectangle(square, 0.96, 0.96, color=LOOKS[best.method][0], alpha=0.6, lw=0))
-    gain, after_setup = (
-        f"{g:.0f}x" if g >= 10 else f"{g:.2g}x" for g in (best.gain, best.gain_after_setup)
-    )
-    text = f"{gain}\n({after_setup})"
+    text = f"{times(best.gain)}\n({times(best.gain_after_setup)})"
     axis.text(j, i, text, ha="center", va="center", fontsize=6)

@@ -161,19 +161,21 @@ def _draw_floor(axis: Any, floor: Floor, large: bool) -> None:
             lw=0,
         )
         text = f"Smith model to surfaces: {floor.relative_rmse:.2g}"
-        _write(axis, floor.relative_rmse, text, "#b2182b", large)
+        # Below the band: what simulates surfaces comes down to it from above.
+        low = max(floor.relative_rmse - 2 * floor.stderr, LEAST_ERROR)
+        _write(axis, low / 1.06, text, "#b2182b", large, "top")
     elif floor.floor == "reference":
         value = max(floor.relative_rmse, LEAST_ERROR)
         axis.axhline(value, color="0.4", lw=1.1, ls=":", zorder=2)
         below = ", below this edge" if floor.relative_rmse < LEAST_ERROR else ""
         text = f"noise of the reference: {floor.relative_rmse:.1g}{below}"
-        _write(axis, value, text, "0.35", large)
+        _write(axis, value * 1.06, text, "0.35", large, "bottom")
 
 
-def _write(axis: Any, y: float, text: str, colour: str, large: bool) -> None:
+def _write(axis: Any, y: float, text: str, colour: str, large: bool, side: str) -> None:
     if large:
         axis.text(
-            0.99, y * 1.06, text, color=colour, ha="right", va="bottom", fontsize=7,
+            0.99, y, text, color=colour, ha="right", va=side, fontsize=7,
             transform=axis.get_yaxis_transform(),
         )  # fmt: skip
 

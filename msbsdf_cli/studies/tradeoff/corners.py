@@ -6,7 +6,7 @@ from dataclasses import replace
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import lobe_directions
 from msbsdf_cli.studies.tradeoff.measuring import RESOLUTIONS, Protocol, Setting, measure
-from msbsdf_cli.studies.tradeoff.reach import Reach
+from msbsdf_cli.studies.tradeoff.reach import Reach, times
 from msbsdf_cli.studies.tradeoff.reference import reference
 from msbsdf_cli.studies.tradeoff.rows import Row, method_rows
 from msbsdf_cli.studies.tradeoff.scaling import SAMPLES, one_each
@@ -32,7 +32,7 @@ def unbeaten(found: list[Reach]) -> list[str]:
         best = [r for r in found if r.relative_rmse == error and r.best]
         walk = [f"alpha {r.alpha_x:g} theta {r.theta_i_rad:g}" for r in best if r.method == "walk"]
         gains = [r.gain for r in best if r.method != "walk" and r.gain < float("inf")]
-        others = f"elsewhere the fastest gains at least {min(gains):.2g}x" if gains else ""
+        others = f"elsewhere the fastest gains at least {times(min(gains))}" if gains else ""
         where = "; ".join(walk) or "nowhere"
         said.append(f"Corners where walk is the fastest to {error:.1%}: {where}. {others}".strip())
     return said

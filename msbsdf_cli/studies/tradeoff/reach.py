@@ -146,5 +146,10 @@ def _places(found: list[Reach]) -> str:
 
 
 def _range(gains: list[float]) -> str:
-    low, high = f"{min(gains):.2g}", f"{max(gains):.2g}"
-    return f"{low}x" if low == high else f"{low} to {high}x"
+    low, high = times(min(gains)), times(max(gains))
+    return low if low == high else f"{low.removesuffix('x')} to {high}"
+
+
+def times(gain: float) -> str:
+    """A ratio of speeds to two digits, or to the unit: `1.4x`, `140x`."""
+    return f"{gain:.0f}x" if gain >= 10 else f"{gain:.2g}x"
