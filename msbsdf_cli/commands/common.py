@@ -82,7 +82,8 @@ def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
         )
     expected = work_s / options["threads"]
     if expected > LONG_S:
-        warnings.append(f"this will take about {duration(expected)}; fewer --samples take less.")
+        fewer = "--replicates or --directions" if "replicates" in options else "--samples"
+        warnings.append(f"this will take about {duration(expected)}; fewer {fewer} take less.")
     return warnings
 
 

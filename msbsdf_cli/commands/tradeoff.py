@@ -89,8 +89,12 @@ def command(**options: Any) -> None:
 EVALUATIONS_PER_S = 2e7
 """Rough rate of one core in walks times directions, for telling beforehand what takes long."""
 
-FIRST_ORDER_S = 4e-4
+FIRST_ORDER_S = 1.5e-4
 """Of one direction of diffuse facets, whose first bounce is a quadrature in every evaluation."""
+
+SOLVE_S = 6e-3
+SOLVE_GRID_S = 1.5e-2
+"""Of one direction of a dielectric by `solve`, of one roughness and of two."""
 
 SETTINGS = 5
 """Of a method, about."""
@@ -98,10 +102,15 @@ SETTINGS = 5
 
 def work_s(options: dict[str, Any]) -> float:
     """About how many seconds of one core this takes; timing runs on one, so all count."""
-    runs = len(options["theta"]) * len(options["method"]) * options["replicates"]
+    runs = len(options["theta"]) * options["replicates"]
     walks = 4 / 3 * options["samples"] * options["directions"] / EVALUATIONS_PER_S
-    first = FIRST_ORDER_S * options["directions"] if options["material"] == "diffuse" else 0.0
-    return float(runs * (walks + SETTINGS * first) * options["threads"])
+    methods, direction = len(options["method"]), 0.0
+    if options["material"] == "diffuse":
+        direction = methods * FIRST_ORDER_S
+    elif options["material"] == "dielectric" and "solve" in options["method"]:
+        direction = SOLVE_S if len(set(options["alpha"])) == 1 else SOLVE_GRID_S
+    directions = SETTINGS * options["directions"] * direction
+    return float(runs * (methods * walks + directions) * options["threads"])
 
 
 def show(result: Any) -> None:
