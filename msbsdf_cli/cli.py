@@ -64,7 +64,7 @@ def main() -> None:
 def describe(error: BaseException) -> str:
     """What went wrong, as a sentence."""
     if isinstance(error, MemoryError):
-        return "there is not enough memory; fewer --cells or a smaller --extent need less."
+        return "there is not enough memory; a smaller --extent or a coarser --accuracy needs less."
     if isinstance(error, OSError) and error.filename:
         return f"{error.strerror} ({error.filename})."
     return f"{error}" or type(error).__name__

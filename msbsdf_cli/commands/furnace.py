@@ -51,7 +51,9 @@ def command(**options: Any) -> None:
             f"method solve reached an error of {r.stderr[..., :-1].max():.2g} at alpha "
             f"{r.alpha[0]:g},{r.alpha[1]:g}, not {accuracy:g}."
             for r in results
-            if r.method == Solve.name and accuracy and r.stderr[..., :-1].max() > accuracy
+            if r.method == Solve.name
+            and accuracy is not None
+            and r.stderr[..., :-1].max() > accuracy
         ]
         common.announce(late)
         warnings += late

@@ -45,6 +45,11 @@ class Holds:
     deterministic = False
     """Whether values have no noise, so that samples make no difference."""
 
+    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+        """Error (channels, n) that paths may leave in all values from order 2 on which none of
+        `samples` walks has found; it adds to `stderr` in quadrature. 0 without noise."""
+        return np.zeros((1, wo.shape[1]))
+
     def albedo(self, wi: Array) -> tuple[Array, Array] | None:
         """Energy that leaves after each order, on both sides, and its error, (channels, orders + 1)
         each, for `wi` (3,); None where the method knows it no better than by adding up values."""

@@ -21,7 +21,6 @@ from msbsdf_cli.methods.paths import (
 from msbsdf_cli.methods.protocol import Evaluation, NotForThis
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
-from msbsdf_cli.methods.unseen import unseen
 from msbsdf_cli.smith.descent import Descent, arriving_descent, slant
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
@@ -91,7 +90,7 @@ class Exact(SampledByWalk):
         value, stderr = estimate.mean(samples)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         stderr[:, 0] = 0
-        return Evaluation(value, stderr, unseen(self.slopes, self.material, out, samples, rng))
+        return Evaluation(value, stderr)
 
     def _follow(
         self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator

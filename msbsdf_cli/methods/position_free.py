@@ -12,7 +12,7 @@ from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import broadened_pdf
 from msbsdf_cli.methods.segments import Segments, go_on, leaving_chance, send
 from msbsdf_cli.methods.single import first_order
-from msbsdf_cli.methods.unseen import unseen
+from msbsdf_cli.methods.unseen import one_walk
 from msbsdf_cli.smith.descent import slant
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
@@ -50,7 +50,10 @@ class PositionFree(Holds):
         value, stderr = estimate.mean(samples)
         value[:, 0] = first_order(self.slopes, self.material, wi, out, self.correlated)
         stderr[:, 0] = 0
-        return Evaluation(value, stderr, unseen(self.slopes, self.material, out, samples, rng))
+        return Evaluation(value, stderr)
+
+    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+        return one_walk(self.slopes, self.material, exits(self.slopes, wo), samples, rng)
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """By visible normals, leaving with the model's chance: perfect but for absorption."""

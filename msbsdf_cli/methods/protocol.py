@@ -24,9 +24,6 @@ class Evaluation:
     value: Array
     stderr: Array
     """Standard error of each value, from the scatter of walks; 0 where the method has no noise."""
-    unseen: Array | float = 0.0
-    """Error (n,) that paths may leave which no walk has found, of all values from order 2 on; see
-    `msbsdf_cli.methods.unseen`. It adds to `stderr` in quadrature."""
     unresolved: float = 0.0
     """Energy not followed to its end: at most this share of the incident energy is missing."""
 
@@ -54,6 +51,10 @@ class Method(Protocol):
         `samples` is the number of walks or paths; methods without noise ignore it. Arithmetic is
         in the precision of `wi`.
         """
+
+    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+        """Error (channels, n) that paths may leave in all values from order 2 on which none of
+        `samples` walks has found; it adds to `stderr` in quadrature. 0 without noise."""
 
     def albedo(self, wi: Array) -> tuple[Array, Array] | None:
         """Energy that leaves after each order, on both sides, and its error, (channels, orders + 1)

@@ -4,8 +4,9 @@ import sys
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Holds
+from msbsdf_cli.methods.directions import Holds, exits
 from msbsdf_cli.methods.single import phase_density
+from msbsdf_cli.methods.unseen import one_walk
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
@@ -53,6 +54,9 @@ class SampledByWalk(Holds):
 
     slopes: Slopes
     material: Material
+
+    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+        return one_walk(self.slopes, self.material, exits(self.slopes, wo), samples, rng)
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         return sample_walk(self.slopes, self.material, wi, n, rng)

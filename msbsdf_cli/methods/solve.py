@@ -22,7 +22,9 @@ second is there to show it."""
 
 REFINEMENT = 1.5
 REFINEMENTS = 5
-"""Factor between resolutions, and how many are tried, where an accuracy is asked for: up to 5."""
+REFINEMENTS_OF_TWO = 3
+"""Factor between resolutions, and how many are tried, where an accuracy is asked for: up to 5, or
+2.25 for two roughnesses, whose memory grows by the fourth power."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +72,24 @@ class Solve(Holds):
         cls, slopes: Slopes, material: Material, orders: int, wi: Array, accuracy: float
     ) -> "Solve":
         """At the lowest of resolutions 1, 1.5, 2.25 ... that by its own estimate knows each order's
-        energy to `accuracy`, for light from any of `wi` (3, n); or at the finest of them.
+        energy to `accuracy`, for light from any of `wi` (3, n); or the best of them. Raises
+        ArithmeticError where none comes to an end.
         """
-        for step in range(REFINEMENTS):
+        one = slopes.alpha_x == slopes.alpha_y
+        found, failure = [], None
+        for step in range(REFINEMENTS if one else REFINEMENTS_OF_TWO):
             solution = cls(slopes, material, orders, REFINEMENT**step)
-            if all(solution.energy(d).error.max() <= accuracy for d in wi.T):
+            try:
+                error = max(float(solution.energy(d).error.max()) for d in wi.T)
+            except ArithmeticError as too_coarse:
+                failure = too_coarse
+                continue
+            found.append((error, solution))
+            if error <= accuracy:
                 break
-        return solution
+        if failure is not None and not found:
+            raise failure
+        return min(found, key=lambda pair: pair[0])[1]
 
     def evaluate(
         self, wi: Array, wo: Array, samples: int = 0, rng: np.random.Generator | None = None
@@ -93,7 +106,7 @@ class Solve(Holds):
         first = first_order(self.slopes, self.material, wi, exits(self.slopes, wo))
         error[:, 0] = np.abs(value[:, 0] - first)
         value[:, 0] = first
-        return Evaluation(value.astype(dtype), error.astype(dtype), unresolved=unresolved)
+        return Evaluation(value.astype(dtype), error.astype(dtype), unresolved)
 
     def energy(self, wi: Array) -> Energy:
         """Energy of each order that leaves, for a unit vector `wi` (3,), z > 0."""

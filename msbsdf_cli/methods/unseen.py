@@ -2,7 +2,8 @@
 
 Some directions are reached by hardly any walk, but brightly. The scatter of the walks cannot tell
 of these before the first has come, so that a standard error from it alone is far too small. What
-has not happened in n walks may yet happen once in n: to the error belongs one walk more.
+has not happened in n walks may yet happen once in n: to the error belongs one walk more. It is an
+upper bound, and far too large where nothing comes along such paths at all, as on smooth surfaces.
 """
 
 import numpy as np
@@ -15,26 +16,24 @@ from surfaces.materials import Material
 
 PATHS = 16
 """Paths followed back from each exit, of which the brightest counts: later orders come along
-other ways than the first that leads back, and often brighter ones."""
+other ways than the first that leads back, and often brighter ones. The greatest of 16 is within a
+factor of 10 of the greatest of 1e5, and `evaluate` takes the greatest of all parts' 16."""
 
 
-def unseen(
+def one_walk(
     slopes: Slopes, material: Material, out: Exits, walks: int, rng: np.random.Generator
 ) -> Array:
-    """What one of `walks` adds to the mean towards each exit (n,) from the second order on, if it
-    comes along a bright path that leads there: the greatest phase function of some paths drawn
-    from the exit, over `walks`.
-
-    Upward directions count no more than their chance to meet a facet (about Lambda): where that
-    is below one in `walks`, the phase function may be enormous, but nothing comes that way.
-    """
+    """What one of `walks` adds to the mean towards each exit (channels, n) from the second order
+    on, if it comes along a bright path that leads there: the greatest of what its last facet sends,
+    for some paths drawn from the exit, over `walks`."""
     which = np.tile(np.arange(out.n), PATHS)
     paths = Paths(**arriving(slopes, material, -out.w[:, which], out.inside[which]))
     paths.m = meet(slopes, material, paths, rng)
     after, _ = scatter(slopes, material, paths, paths.m, rng)
-    came = -after.d.astype(float)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        phase = reversed_phase(slopes, material, paths, after)
-        chance = np.where(came[2] > 0, slopes.sigma(came) / came[2], 1)
-        share = np.where(chance > 0, phase * np.minimum(1 / walks, chance), 0)
-    return np.where(far_end(material, out) > 0, share.reshape(PATHS, out.n).max(axis=0), 0)
+    sends = np.zeros(paths.n)
+    # Light that would come so steeply from below that no facet is in its way does not come.
+    comes = slopes.sigma(-after.d) > 0
+    sends[comes] = reversed_phase(slopes, material, paths.compress(comes), after.compress(comes))
+    colours = np.ones((material.channels, 1)) if after.weight is None else after.weight
+    brightest = (colours * sends).reshape(-1, PATHS, out.n).max(axis=1)
+    return np.where(far_end(material, out) > 0, brightest / walks, 0)

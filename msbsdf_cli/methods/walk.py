@@ -17,7 +17,6 @@ from msbsdf_cli.methods.paths import (
 )
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
-from msbsdf_cli.methods.unseen import unseen
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import exponential, flip, free_path
 from surfaces.facet import Array
@@ -59,8 +58,7 @@ class Walk(SampledByWalk):
                 partial(self._leave_facet, rng=rng),
             )
             estimate.close_batch()
-        rare = unseen(self.slopes, self.material, out, samples, rng)
-        return Evaluation(*estimate.mean(samples), rare)
+        return Evaluation(*estimate.mean(samples))
 
     def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Walks:
         """At the first facet: a free path from t = 0."""

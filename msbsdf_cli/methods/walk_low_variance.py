@@ -15,7 +15,7 @@ from msbsdf_cli.methods.paths import (
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
-from msbsdf_cli.methods.unseen import unseen
+from msbsdf_cli.methods.unseen import one_walk
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
 from surfaces.batch import concatenate
@@ -54,21 +54,31 @@ class WalkLowVariance(SampledByWalk):
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
-        fair = max(samples // (1 + out.n), ENOUGH_FOR_ERRORS)
-        n_o = max(1, min(fair, samples // 2)) if self.both_ends else 0
-        n_i = max(1, samples - n_o)
+        n_i, n_o = self._shares(samples, out.n)
         ends = _Ends(out, n_o / n_i, far_end(self.material, out) / wi[2])
         value, stderr = self._from_wi(wi, ends, n_i, rng)
-        rare = unseen(self.slopes, self.material, out, n_i, rng)
         if self.both_ends:
             from_wo, stderr_wo = self._from_wo(wi, ends, n_o, rng)
             value, stderr = value + from_wo, np.hypot(stderr, stderr_wo)
-            start = exits(self.slopes, wi[:, None])
-            rare_wo = ends.scale * unseen(self.slopes, self.material, start, n_o, rng)
-            rare = np.minimum(rare, rare_wo)  # A path is weighed against its other end.
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         stderr[:, 0] = 0
-        return Evaluation(value, stderr, rare)
+        return Evaluation(value, stderr)
+
+    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+        """Of either end, the less: a path counts by both."""
+        out, (n_i, n_o) = exits(self.slopes, wo), self._shares(samples, wo.shape[1])
+        from_wi = one_walk(self.slopes, self.material, out, n_i, rng)
+        if not self.both_ends:
+            return from_wi
+        start = exits(self.slopes, wi[:, None])
+        from_wo = one_walk(self.slopes, self.material, start, n_o, rng)
+        return np.minimum(from_wi, from_wo * far_end(self.material, out) / wi[2])
+
+    def _shares(self, samples: int, directions: int) -> tuple[int, int]:
+        """Walks from wi, and from each wo."""
+        fair = max(samples // (1 + directions), ENOUGH_FOR_ERRORS)
+        n_o = max(1, min(fair, samples // 2)) if self.both_ends else 0
+        return max(1, samples - n_o), n_o
 
     def _from_wi(
         self, wi: Array, ends: "_Ends", samples: int, rng: np.random.Generator

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from msbsdf_cli.smith.quadrature import gauss
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
 
@@ -24,7 +25,7 @@ def lambertian_density(slopes: Slopes, d: Array, w: Array) -> Array:
     a, b = -d * stretch, w * stretch
     axis, e1, e2 = _lune_frame(a, b)
     phi_b = np.arctan2(dot(b, e2), dot(b, e1))
-    eta, d_eta = _half_circles(phi_b, e1, e2, *_gauss(ACROSS))
+    eta, d_eta = _half_circles(phi_b, e1, e2, *gauss(ACROSS))
     cos, sin = np.cos(eta), np.sin(eta)
     equator = cos * e1[:, None] + sin * e2[:, None]
     lit = np.maximum(dot(a, e1) * cos, 0) * np.maximum(dot(b, e1) * cos + dot(b, e2) * sin, 0)
@@ -34,7 +35,7 @@ def lambertian_density(slopes: Slopes, d: Array, w: Array) -> Array:
     cut = np.arctan2(np.abs(axis[2]), np.where(downward, 1, -1) * equator[2])
     low = np.where(downward, cut, 0)
     extent = np.where(downward, np.pi, cut) - low
-    u, du = _gauss(ALONG)
+    u, du = gauss(ALONG)
     chi = low + u[:, None, None] * extent
     cos, sin = np.cos(chi), np.sin(chi)
     m = np.empty((3, *chi.shape), chi.dtype)
@@ -44,12 +45,6 @@ def lambertian_density(slopes: Slopes, d: Array, w: Array) -> Array:
         density = slopes.D(m) * (sin * sin * sin) / np.sqrt(dot(m, m))
     total: Array = np.einsum("ken,k,en->n", density, du, d_eta * extent * lit)
     return total * (slopes.alpha_x * slopes.alpha_y / np.pi)
-
-
-def _gauss(n: int) -> tuple[Array, Array]:
-    """Nodes and weights on [0, 1]."""
-    u, du = np.polynomial.legendre.leggauss(n)
-    return (u + 1) / 2, du / 2
 
 
 def _half_circles(phi_b: Array, e1: Array, e2: Array, u: Array, du: Array) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ up to the border: Gauss-Legendre nodes serve both.
 
 import numpy as np
 
+from msbsdf_cli.smith.quadrature import gauss
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
 
@@ -38,7 +39,7 @@ def visible_slopes(
     b = b_x * cos_phi + b_y * sin_phi
     border = np.minimum(np.arctan2(np.abs(a), np.where(a >= 0, -b, b)), np.pi / 2)
     low, high = np.where(a >= 0, 0, border), np.where(a >= 0, border, np.pi / 2)
-    x, x_weight = _unit_interval(radial_nodes)
+    x, x_weight = gauss(radial_nodes)
     x, x_weight = x[:, None, None], x_weight[:, None, None]
     if split:
         middle = np.clip(_mirrored_to_horizon(slopes, d, cos_phi, sin_phi), low, high)
@@ -76,13 +77,8 @@ def _mirrored_to_horizon(slopes: Slopes, d: Array, cos_phi: Array, sin_phi: Arra
 def _nodes_on_circle(turn: Array, nodes: int) -> tuple[Array, Array]:
     """Nodes and weights (2 nodes, n) on the two half circles between `turn` (n,) and the azimuth
     opposite, denser towards the ends, where a grazing direction has its border swing round."""
-    x, weight = _unit_interval(nodes)
+    x, weight = gauss(nodes)
     x, weight = x * x * (3 - 2 * x), weight * 6 * x * (1 - x)
     half = turn + np.pi * x[:, None]
     weight = np.repeat(np.pi * weight[:, None], turn.size, axis=1)
     return np.concatenate([half, half + np.pi]), np.concatenate([weight, weight])
-
-
-def _unit_interval(nodes: int) -> tuple[Array, Array]:
-    x, weight = np.polynomial.legendre.leggauss(nodes)
-    return (1 + x) / 2, weight / 2

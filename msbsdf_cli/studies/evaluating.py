@@ -80,7 +80,7 @@ def evaluate(
     jobs = []
     for name in methods:
         noiseless = METHODS[name].deterministic
-        sizes = [1] * len(turns) if noiseless else _parts(samples)
+        sizes = [1] * len(turns) if noiseless else _parts(samples, len(turns))
         for angles in _shared_angles(len(scene.theta), noiseless):
             for k, size in enumerate(sizes):
                 ends = turns[k % len(turns)]
@@ -95,7 +95,7 @@ def evaluate(
                 parts.setdefault((i, job.method), []).append(part)
             progress.advance(1)
     return [
-        _merge(name, theta, parts[i, name], turns[0], solid_angle)
+        _merge(name, theta, parts[i, name], turns, solid_angle)
         for i, theta in enumerate(scene.theta)
         for name in methods
     ]
@@ -106,11 +106,15 @@ class Part(NamedTuple):
 
     samples: int
     evaluation: Evaluation
+    unseen: Array
+    """Error of paths that no walk has found, (channels, n)."""
     seconds: float
 
 
-def _parts(samples: int) -> list[int]:
-    count = min(max(PARTS, -(-samples // PART)), samples)
+def _parts(samples: int, turns: int) -> list[int]:
+    """Sizes of the parts: two for each turn and as many for all, but of two walks at least."""
+    count = max(PARTS, 2 * turns if turns > 1 else 1, -(-samples // PART))
+    count = min(-(-count // turns) * turns, max(samples // 2, 1))
     return [samples // count + (i < samples % count) for i in range(count)]
 
 
@@ -129,8 +133,11 @@ def run_job(job: EvaluationJob) -> list[Part]:
         method = _method(job.method, scene, job.bidirectional)
         place = [job.seed, list(METHODS).index(job.method), i, job.part]
         rng = np.random.Generator(np.random.SFC64(place))
-        evaluation = method.evaluate(scene.wi(scene.theta[i], dtype), wo, job.samples, rng)
-        parts.append(Part(job.samples, evaluation, time.perf_counter() - started))
+        wi = scene.wi(scene.theta[i], dtype)
+        evaluation = method.evaluate(wi, wo, job.samples, rng)
+        seconds = time.perf_counter() - started
+        unseen = method.unseen(wi, wo, job.samples, rng)
+        parts.append(Part(job.samples, evaluation, unseen, seconds))
     return parts
 
 
@@ -144,46 +151,63 @@ def _method(name: str, scene: Scene, bidirectional: bool) -> Method:
     return method(*arguments)
 
 
-def _energy(values: Array, share: Array, wo: Array, solid_angle: Array) -> Array:
+def _scatter(values: Array, share: Array, turns: int) -> Array:
+    """Standard error of the mean of parts (parts, ...) with shares (parts,), from the scatter of
+    those that have the same turn; of all, where each has a turn of its own."""
+    turn = np.arange(len(values)) % turns
+    if len(values) < 2 * turns:
+        turn[:] = 0
+    variance = np.zeros(values.shape[1:])
+    for k in range(int(turn.max()) + 1):
+        mine = turn == k
+        n = int(np.count_nonzero(mine))
+        weight = share[mine].reshape(-1, *[1] * (values.ndim - 1))
+        mean = (weight * values[mine]).sum(axis=0) / weight.sum()
+        variance += (weight**2 * (values[mine] - mean) ** 2).sum(axis=0) * (n / max(n - 1, 1))
+    return np.sqrt(variance)
+
+
+def _energy(values: Array, share: Array, turns: Array, solid_angle: Array, noise: bool) -> Array:
     """Means over parts (parts, channels, orders + 1, n) of the energy on each side, and standard
-    errors from the spread between parts."""
-    sides = np.stack([wo[2] > 0, wo[2] < 0], axis=1) * solid_angle[:, None]
+    errors; of a method without noise the distance from what the first half of the turns give."""
+    sides = np.stack([turns[0, 2] > 0, turns[0, 2] < 0], axis=1) * solid_angle[:, None]
     energies = values @ sides
-    weight = share[:, None, None, None]
-    mean = (weight * energies).sum(axis=0)
-    spread = (weight * (energies - mean) ** 2).sum(axis=0)
-    return np.stack([mean, np.sqrt(spread / max(len(values) - 1, 1))])
+    mean = np.tensordot(share, energies, 1)
+    if noise:
+        return np.stack([mean, _scatter(energies, share, len(turns))])
+    return np.stack([mean, np.abs(mean - energies[: max(len(turns) // 2, 1)].mean(axis=0))])
 
 
 def _merge(
-    method: str, theta: float, parts: list[Part], wo: Array, solid_angle: Array | None
+    method: str, theta: float, parts: list[Part], turns: Array, solid_angle: Array | None
 ) -> Values:
     share = np.array([part.samples for part in parts], float)
     share /= share.sum()
-    noiseless = METHODS[method].deterministic
+    noise = not METHODS[method].deterministic
     values = np.array([part.evaluation.value for part in parts], float)
     stderrs = np.array([part.evaluation.stderr for part in parts], float)
     weight = share[:, None, None, None]
-    value = (weight * values).sum(axis=0)
-    stderr = np.sqrt(((weight * stderrs) ** 2).sum(axis=0))
-    if noiseless:
-        stderr = (weight * stderrs).sum(axis=0)
+    value, totals = (weight * values).sum(axis=0), values.sum(axis=2)
     # One walk of a part, the brightest that any part knows of, adds less among all.
-    unseen = np.max([s * p.evaluation.unseen for s, p in zip(share, parts, strict=True)], axis=0)
-    stderr[:, 1:] = np.hypot(stderr[:, 1:], unseen)
-    totals = values.sum(axis=2)
-    total = value.sum(axis=1)
-    if len(parts) > 1 and not noiseless:
-        spread = (share[:, None, None] * (totals - total) ** 2).sum(axis=0)
-        total_stderr = np.hypot(np.sqrt(spread / (len(parts) - 1)), unseen)
-    else:
+    unseen = np.max([s * part.unseen for s, part in zip(share, parts, strict=True)], axis=0)
+    if noise:
+        stderr = np.sqrt(((weight * stderrs) ** 2).sum(axis=0))
+        stderr[:, 1:] = np.hypot(stderr[:, 1:], unseen[:, None])
         total_stderr = stderr.sum(axis=1)
+        if len(parts) > 1:
+            total_stderr = np.hypot(_scatter(totals, share, len(turns)), unseen)
+    else:
+        stderr = (weight * stderrs).sum(axis=0)
+        total_stderr = stderr.sum(axis=1)
+    energy = None
+    if solid_angle is not None:
+        energy = _energy(values, share, turns, solid_angle, noise)
     return Values(
         method,
         theta,
-        np.concatenate([value, total[:, None]], axis=1),
+        np.concatenate([value, value.sum(axis=1, keepdims=True)], axis=1),
         np.concatenate([stderr, total_stderr[:, None]], axis=1),
         max(part.evaluation.unresolved for part in parts),
         sum(part.seconds for part in parts),
-        None if solid_angle is None else _energy(values, share, wo, solid_angle),
+        energy,
     )

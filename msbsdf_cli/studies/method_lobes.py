@@ -13,7 +13,7 @@ from msbsdf_cli.studies.recording import write_report
 from msbsdf_cli.studies.tables import energy_table, lobe_table
 from msbsdf_cli.tally import PHI_BINS, Estimate, lobe_axes
 from surfaces.facet import Array
-from surfaces.materials import Dielectric
+from surfaces.materials import Dielectric, Diffuse
 
 MOST_PLACES = 16
 """At most so many places in a bin: as many as there are parts of the samples to take them."""
@@ -50,24 +50,27 @@ def write_method_lobes(
 
 def places(scene: Scene) -> int:
     """In how many places of a bin to evaluate: a power of 2, so many that the steps of azimuth are
-    below half a lobe's standard deviation, but at most `MOST_PLACES`.
+    below half a lobe's standard deviation, but from 2 to `MOST_PLACES`.
 
-    A facet's slope has the standard deviation alpha / sqrt(2); reflection doubles it as an angle,
-    and refraction takes it times 1 - 1 / ior.
+    A facet's slope has the standard deviation alpha / sqrt(2). Reflection doubles it as an angle,
+    refraction from index 1 to n > 1 or back takes it times 1 - 1 / n, and an azimuth near the
+    horizon times cos(theta). Lobes of diffuse facets are wide.
     """
     material = scene.facets()
+    if isinstance(material, Diffuse):
+        return 2
     bend = 2.0
     if isinstance(material, Dielectric):
         bend = 1 - min(material.ior, 1 / material.ior)
-    width = bend * min(scene.alpha) / math.sqrt(2)
+    width = bend * min(scene.alpha) * math.cos(max(scene.theta)) / math.sqrt(2)
     wanted = 2 * (2 * math.pi / PHI_BINS) / width
-    return min(2 ** max(math.ceil(math.log2(wanted)), 0), MOST_PLACES)
+    return min(2 ** max(math.ceil(math.log2(wanted)), 1), MOST_PLACES)
 
 
 def bins(transmits: bool, k: int) -> tuple[Array, Array]:
     """Directions (k, 3, n) in the bins, each row in the same place of all of them, and the bins'
     solid angles (n,): one hemisphere, then the other. Places are the first `k` of Sobol's points,
-    even in solid angle; a single one is the centre."""
+    even in solid angle."""
     polar, azimuth, solid_angle = lobe_axes()
     half = (polar[1] - polar[0]) / 2
     # Without scrambling each axis is at the lower ends of k equal parts.
@@ -75,7 +78,7 @@ def bins(transmits: bool, k: int) -> tuple[Array, Array]:
     w = np.empty((k, 3, polar.size, azimuth.size))
     for place, (u, v) in zip(w, points, strict=True):
         top, bottom = np.cos(polar - half), np.cos(polar + half)
-        cos = np.cos(polar) if k == 1 else top + u * (bottom - top)
+        cos = top + u * (bottom - top)
         phi = azimuth + (v - 0.5) * (azimuth[1] - azimuth[0])
         sin = np.sqrt(1 - cos * cos)
         place[0] = np.multiply.outer(sin, np.cos(phi))

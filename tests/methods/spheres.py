@@ -1,5 +1,7 @@
 """Directions and comparisons that the tests of the methods share."""
 
+from dataclasses import replace
+
 import numpy as np
 
 
@@ -27,16 +29,18 @@ def sphere(n=32):
     return np.concatenate([w, -w], axis=1), np.concatenate([solid_angle, solid_angle])
 
 
-def error(evaluation):
-    """Standard errors, with that of paths which no walk has found."""
-    stderr = evaluation.stderr.astype(float)
-    stderr[:, 1:] = np.hypot(stderr[:, 1:], evaluation.unseen)
-    return stderr
+def evaluated(model, wi, wo, samples, rng):
+    """An evaluation whose standard errors count paths that no walk has found."""
+    found = model.evaluate(wi, wo, samples, rng)
+    stderr = found.stderr.astype(float)
+    unseen = model.unseen(wi, wo, samples, rng)
+    stderr[:, 1:] = np.hypot(stderr[:, 1:], unseen[:, None])
+    return replace(found, stderr=stderr)
 
 
 def largest_z(a, b, scale=1.0):
     """Largest difference of evaluation `a` from `scale` times `b`, in standard errors."""
-    value, other, stderr = a.value, b.value * scale, np.hypot(error(a), error(b) * scale)
+    value, other, stderr = a.value, b.value * scale, np.hypot(a.stderr, b.stderr * scale)
     assert np.isfinite(value).all()
     assert np.isfinite(other).all()
     exact = stderr <= 1e-12 * value

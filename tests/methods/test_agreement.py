@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from spheres import direction, hemisphere, largest_z, sphere
+from spheres import direction, evaluated, hemisphere, largest_z, sphere
 
 from msbsdf_cli.methods.exact import Exact
 from msbsdf_cli.methods.protocol import NotForThis
@@ -24,9 +24,9 @@ def test_three_estimators_of_one_model(slopes, material, theta):
     wi, wo = direction(theta, 0.4), WO
     if slopes.alpha_x > slopes.alpha_y:
         wi, wo = direction(theta, 0.05), direction([0.2, 0.8, 1.2, 0.9], [0, 0.02, 3.1, 3.2])
-    walk = Walk(slopes, material, 2).evaluate(wi, wo, 200000, RNG(1))
+    walk = evaluated(Walk(slopes, material, 2), wi, wo, 200000, RNG(1))
     for other in (Exact(slopes, material, 2), WalkLowVariance(slopes, material, 2)):
-        got = other.evaluate(wi, wo, 100000, RNG(2))
+        got = evaluated(other, wi, wo, 100000, RNG(2))
         # 200 values for each slopes: beyond 4.5 standard errors one in 700 runs.
         assert largest_z(got, walk) < 4.5
         assert (got.stderr[:, 0] == 0).all()
@@ -37,8 +37,8 @@ def test_three_estimators_of_one_model(slopes, material, theta):
 def test_low_variance_walk_through_a_dielectric(both_ends, ior):
     wo = np.concatenate([WO, -WO], axis=1)
     wi, glass = direction(1.2, 0.4), Dielectric(ior)
-    walk = Walk(Ggx(1, 1), glass, 2).evaluate(wi, wo, 400000, RNG(1))
-    got = WalkLowVariance(Ggx(1, 1), glass, 2, both_ends).evaluate(wi, wo, 30000, RNG(2))
+    walk = evaluated(Walk(Ggx(1, 1), glass, 2), wi, wo, 400000, RNG(1))
+    got = evaluated(WalkLowVariance(Ggx(1, 1), glass, 2, both_ends), wi, wo, 30000, RNG(2))
     assert largest_z(got, walk) < 4.5
 
 
@@ -82,8 +82,8 @@ def test_standard_errors_are_those_of_repeated_runs(method):
 def test_reciprocity(method, material):
     a, b = direction(0.3, 0.2), direction(1.2, 2.0)
     model = method(Ggx(1, 0.4), material, 2)
-    there = model.evaluate(a, b[:, None], 60000, RNG(1))
-    back = model.evaluate(b, a[:, None], 60000, RNG(2))
+    there = evaluated(model, a, b[:, None], 60000, RNG(1))
+    back = evaluated(model, b, a[:, None], 60000, RNG(2))
     ratio = b[2] / a[2]
     z = largest_z(there, back, ratio)
     assert z < 4
@@ -93,11 +93,11 @@ def test_reciprocity_of_transmission():
     # Light carries energy: towards the denser side it counts the squared index. The way back is
     # that of a dielectric of inverse index, upside down.
     a, b = direction(0.3, 0.2), direction(1.0, 2.0)
-    there = WalkLowVariance(Beckmann(1, 1), Dielectric(1.5), 2).evaluate(
-        a, -b[:, None], 40000, RNG(1)
+    there = evaluated(
+        WalkLowVariance(Beckmann(1, 1), Dielectric(1.5), 2), a, -b[:, None], 40000, RNG(1)
     )
-    back = WalkLowVariance(Beckmann(1, 1), Dielectric(1 / 1.5), 2).evaluate(
-        b, -a[:, None], 40000, RNG(2)
+    back = evaluated(
+        WalkLowVariance(Beckmann(1, 1), Dielectric(1 / 1.5), 2), b, -a[:, None], 40000, RNG(2)
     )
     ratio = 1.5**2 * b[2] / a[2]
     assert largest_z(there, back, ratio) < 4

@@ -13,9 +13,10 @@ import numpy as np
 
 from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.isotropic import CHUNK
-from msbsdf_cli.methods.solver.nodes import Elevations, SplitElevations, azimuths, coordinate, gauss
+from msbsdf_cli.methods.solver.nodes import Elevations, SplitElevations, azimuths, coordinate
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
 from msbsdf_cli.smith.kernel import scatter_density
+from msbsdf_cli.smith.quadrature import gauss
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
 from surfaces.materials import Conductor, Diffuse
@@ -154,9 +155,8 @@ class MirrorGrid(QuarterGrid):
         """Factors (p, blocks, quarter) from a function of each parity at the nodes' azimuths to
         azimuths (p,): the trigonometric interpolant of 4 quarter points."""
         n = 4 * self.quarter
-        half = self.even
         phi = np.arctan2(np.sin(phi), self.squeeze * np.cos(phi))
-        images = np.stack([half, np.pi - half, -half, np.pi + half])
+        images = np.stack([self.even, np.pi - self.even, -self.even, np.pi + self.even])
         x = (phi[:, None, None] - images) / 2
         sine = np.sin(x)
         with np.errstate(divide="ignore", invalid="ignore"):

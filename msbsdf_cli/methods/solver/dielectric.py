@@ -3,8 +3,7 @@
 Light inside is kept point-reflected, so that both sides are half spaces above the same Smith
 surface; a transmission changes sides, and C1 becomes 1 - C1. Heights do not integrate out, so
 one arriving direction is followed facet by facet: the density of light that leaves a facet, over
-heights x sides x directions ([HHdD16] Algorithm 1 with distributions
-in place of samples).
+heights x sides x directions ([HHdD16] Algorithm 1 with distributions in place of samples).
 """
 
 from dataclasses import dataclass, replace
@@ -51,6 +50,11 @@ class Spread(Protocol):
 
     def parting(self, a: Array, b: Array) -> Array:
         """Factors (blocks, n) that sum blocks to values from `a` (3, 1) to `b` (3, n)."""
+
+
+MOST_FACETS = 10_000
+"""Light that has met so many and still does not fade is not followed well: thousands are met by
+light that an index near 1 hardly deflects."""
 
 
 @dataclass(frozen=True)
@@ -148,6 +152,7 @@ class TwoSides:
         the sum of all later ones."""
         d, _ = self.directions.distinct(-wi[:, None])
         sigma = self.slopes.sigma(d)
+        # A single row, on which all else rests, and so at no cost a finer one.
         rows = self.rows(d, 0, finer=4)
         h = self.heights.arrive(sigma / wi[2])[0]
         outside = h[:, None] * rows.reflected / sigma
@@ -162,18 +167,19 @@ class TwoSides:
         last = self._collide(self.fly(leaving[-1]))
         rest, ripples = np.zeros_like(last), 2 * np.abs(leaving[0][0]).sum()
         rounding = np.finfo(float).eps
-        while True:
+        for _ in range(MOST_FACETS):
             rest = rest + last
+            if np.abs(last[0]).sum() <= rounding * np.abs(rest[0]).sum():
+                return Flights([*leaving, rest], float(np.abs(last[0].sum())))
             # Interpolation makes ripples of either sign, the more so the narrower the light, but
             # not more than there were to begin with.
             if not np.abs(last[0]).sum() < ripples:
-                raise ArithmeticError(
-                    "method solve lost light among too many facets: at a higher `resolution` it "
-                    "may not, but for an index near 1 at grazing angles a walk is the one to take"
-                )
-            if np.abs(last[0]).sum() <= rounding * np.abs(rest[0]).sum():
-                return Flights([*leaving, rest], float(np.abs(last[0].sum())))
+                break
             last = self._collide(self.fly(last))
+        raise ArithmeticError(
+            "method solve lost light among too many facets; with an index near 1 at grazing "
+            "angles, walk is the method to take"
+        )
 
     def fly(self, leaving: Array) -> Array:
         """From light that leaves facets to light that comes by the next ones, per unit of

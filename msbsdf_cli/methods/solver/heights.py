@@ -10,7 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.methods.solver.nodes import gauss, interpolation
+from msbsdf_cli.methods.solver.nodes import interpolation
+from msbsdf_cli.smith.quadrature import gauss
 from surfaces.facet import Array
 
 CROWDING = 3

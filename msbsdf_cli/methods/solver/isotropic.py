@@ -11,9 +11,10 @@ from functools import cached_property
 import numpy as np
 
 from msbsdf_cli.methods.solver.balance import Balance, balance
-from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate, gauss
+from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
 from msbsdf_cli.smith.kernel import scatter_density
+from msbsdf_cli.smith.quadrature import gauss
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Diffuse

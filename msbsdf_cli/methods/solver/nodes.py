@@ -5,10 +5,11 @@ grazing angles; a direction of travel and its image in the mean plane share one.
 """
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
+from msbsdf_cli.smith.quadrature import gauss
 from surfaces.facet import Array
 
 CROWDING = 2
@@ -33,15 +34,6 @@ class Angles:
     sin: Array
     weight: Array
     """sin(theta) d(theta): times an azimuth, a solid angle."""
-
-
-@cache
-def gauss(n: int) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes and weights on [0, 1], not to be written to."""
-    x, weight = np.polynomial.legendre.leggauss(n)
-    x, weight = (x + 1) / 2, weight / 2
-    x.flags.writeable = weight.flags.writeable = False
-    return x, weight
 
 
 def angles(x: Array, dx: Array) -> Angles:

@@ -196,7 +196,10 @@ def _settle(kernel: Kernel, step: Callable[[Array], Array], start: Array) -> tup
         before, growth = growth, np.max(np.abs(level - previous))
         # Nothing but a grid that is too coarse makes more light than has come in.
         if not np.max(np.abs(level)) < 2:
-            raise ArithmeticError("energy grows from order to order: `resolution` is too low")
+            raise ArithmeticError(
+                "method solve is too coarse for this: energy grows from order to order; walk is "
+                "the method to take"
+            )
         if growth <= rounding * np.max(np.abs(level)):
             # What is missing falls off like a geometric series.
             return R, float(growth * growth / (before - growth)) if growth < before else growth

@@ -75,7 +75,7 @@ class OneByOne(Holds):
             np.concatenate([getattr(e, name) for e in found], axis=2)
             for name in ("value", "stderr")
         )
-        return Evaluation(value, stderr, unresolved=max(e.unresolved for e in found))
+        return Evaluation(value, stderr, max(e.unresolved for e in found))
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         return self.method.sample(wi, n, rng)
