@@ -72,8 +72,8 @@ def evaluate(
 
     Directions (k, 3, n) are averaged over k: parts of the samples take them in turn, so that they
     cost no more, and a method without noise does all of them. `solid_angle` (n,) makes the
-    directions a quadrature, and energies of it. `bidirectional` is for
-    the position-free models, see `msbsdf_cli.methods.position_free`.
+    directions a quadrature, and energies of it. `bidirectional` is for the position-free models,
+    see `msbsdf_cli.methods.position_free`.
     Raises `NotForThis` where a method does not hold for the scene.
     """
     turns = wo.reshape(-1, *wo.shape[-2:])
