@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from msbsdf_cli.report.directory import read_csv
-from msbsdf_cli.report.style import order_colour, panels, save
+from msbsdf_cli.report.style import method_look, panels, save
 from surfaces.facet import Array
 
 NUMBERS = ("alpha_x", "alpha_y", "theta_i_rad", "albedo", "stderr")
@@ -27,10 +27,10 @@ def draw_furnace(directory: Path) -> None:
             axis = axes[i, j]
             for m, method in enumerate(methods):
                 theta, albedo, stderr = _curve(columns, alpha, method, channel)
-                colour = order_colour(m)
-                axis.plot(np.degrees(theta), albedo, color=colour, label=method)
-                low, high = albedo - 2 * stderr, albedo + 2 * stderr
-                axis.fill_between(np.degrees(theta), low, high, color=colour, alpha=0.25, lw=0)
+                look = method_look(m)
+                axis.plot(np.degrees(theta), albedo, **look, label=method)
+                band = albedo - 2 * stderr, albedo + 2 * stderr
+                axis.fill_between(np.degrees(theta), *band, color=look["color"], alpha=0.25, lw=0)
             axis.axhline(1, color="0.5", lw=0.6)
             axis.set_title(f"alpha = {_name(alpha)}   {channel}")
             axis.set_xlabel("theta_i, degrees", labelpad=1)

@@ -9,7 +9,7 @@ from matplotlib.colors import PowerNorm, SymLogNorm
 from matplotlib.lines import Line2D
 
 from msbsdf_cli.report.directory import read_csv
-from msbsdf_cli.report.style import order_colour, panels, save
+from msbsdf_cli.report.style import BAND_ROOM, method_look, order_colour, panels, save
 from msbsdf_cli.tally import PHI_BINS, SIDES, THETA_BINS, lobe_axes, merge_bins, spread_bins
 from surfaces.facet import Array
 
@@ -107,7 +107,7 @@ def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> No
 
 def draw_methods(simulated: Path, modelled: dict[str, Path], directory: Path) -> None:
     """methods.png: the plane of incidence, a row for each angle and a column for each order; points
-    are simulated, lines the methods by name."""
+    are simulated, lines the methods by name; both with their standard errors."""
     ours = load_lobes(simulated)
     theirs = {name: load_lobes(path) for name, path in modelled.items()}
     for side in range(1 + ours.transmits):
@@ -116,16 +116,19 @@ def draw_methods(simulated: Path, modelled: dict[str, Path], directory: Path) ->
         figure, axes = panels(len(ours.theta), [2.0] * len(columns), 1.5, (0.45, 0.7))
         for row, theta in enumerate(ours.theta):
             for axis, (order, i) in zip(axes[row], columns.items(), strict=True):
-                for k, lobes in enumerate(theirs.values()):
-                    angle, values, _ = _plane(lobes, row, i, side)
-                    axis.plot(angle, values, color=order_colour(k), lw=0.9)
                 angle, values, errors = _plane(ours, row, i, side)
                 axis.errorbar(angle, values, errors, fmt="o", ms=1.8, lw=0.7, color="0.1")
+                largest = values.max()
+                for k, lobes in enumerate(theirs.values()):
+                    angle, values, errors = _plane(lobes, row, i, side)
+                    axis.plot(angle, values, **method_look(k), lw=0.9)
+                    band, colour = (values - errors, values + errors), order_colour(k)
+                    axis.fill_between(angle, *band, color=colour, alpha=0.15, lw=0)
+                    largest = max(largest, values.max())
                 _plane_axis(axis)
+                axis.set_ylim(0, BAND_ROOM * largest if largest > 0 else 1)
                 axis.set_title(f"theta_i = {theta:.4g}, order {order}   [1/sr]")
-        handles = [
-            Line2D([], [], color=order_colour(k), label=name) for k, name in enumerate(theirs)
-        ]
+        handles = [Line2D([], [], **method_look(k), label=name) for k, name in enumerate(theirs)]
         handles.append(Line2D([], [], color="0.1", marker="o", ms=2, ls="", label="simulated"))
         figure.legend(handles=handles, loc="upper left", ncols=5)
         save(figure, directory / ("methods_transmitted.png" if side else "methods.png"))

@@ -7,14 +7,10 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from msbsdf_cli.report.directory import read_csv
-from msbsdf_cli.report.style import COLOURS, panels, save
+from msbsdf_cli.report.style import BAND_ROOM, COLOURS, DASHES, panels, save
 from surfaces.facet import Array
 
 NUMBERS = ("theta_i_rad", "theta_o_rad", "phi_o_rad", "value_per_sr", "stderr_per_sr")
-DASHES = ("-", "--", "-.", ":")
-
-BAND_ROOM = 1.3
-"""Height of a panel over that of its highest line."""
 
 
 def draw_slices(directory: Path) -> None:

@@ -29,7 +29,11 @@ plt.rcParams.update(
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Wong's palette, told apart by colour-blind eyes; one for each order."""
+DASHES = ("-", "--", "-.", ":")
 DOTS_PER_INCH = 130
+
+BAND_ROOM = 1.3
+"""Height of a panel over that of its highest value, where bands of error may be much wider."""
 
 
 def panels(
@@ -61,6 +65,11 @@ def panels(
 def order_colour(index: int) -> str:
     """Colour of the order in place `index`."""
     return COLOURS[index % len(COLOURS)]
+
+
+def method_look(index: int) -> dict[str, Any]:
+    """Colour and dashes of the line of the method in place `index`."""
+    return {"color": order_colour(index), "ls": DASHES[index // len(COLOURS)]}
 
 
 def save(figure: Any, path: Path) -> None:
