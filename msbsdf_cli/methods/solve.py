@@ -97,15 +97,13 @@ class Solve(Holds):
         """Evaluate for a unit vector `wi` (3,), z > 0, and unit vectors `wo` (3, n), z either sign.
 
         `samples` and `rng` are not used. `stderr` is the greatest difference of resolutions; the
-        first order is that of all methods, its error the difference from the solution's own.
+        first order is that of `single`, without one.
         """
         dtype = wi.dtype
         wi, wo = wi.astype(float), wo.astype(float)
         value, unresolved = self.fine.evaluate(wi, wo)
         error = np.max([np.abs(value - c.evaluate(wi, wo)[0]) for c in self.coarse], axis=0)
-        first = first_order(self.slopes, self.material, wi, exits(self.slopes, wo))
-        error[:, 0] = np.abs(value[:, 0] - first)
-        value[:, 0] = first
+        value[:, 0] = first_order(self.slopes, self.material, wi, exits(self.slopes, wo))
         return Evaluation(value.astype(dtype), error.astype(dtype), unresolved)
 
     def energy(self, wi: Array) -> Energy:

@@ -82,15 +82,6 @@ def refraction_density(
     return np.where(faces, (1 - fresnel) * jacobian * _density_of_normals(slopes, h, length), 0)
 
 
-def dielectric_density(slopes: Slopes, eta: float, d: Array, w: Array) -> tuple[Array, Array]:
-    """q (n,) off and through an interface of index `eta` behind over before; `w` (3, n) after
-    transmission is point-reflected. Reversed, q_t(d -> w) = eta^2 q_t'(-w -> -d), where the dash
-    is for the other side."""
-    interface = Dielectric(eta)
-    reflected, _ = reflection_density(slopes, interface, d, w)
-    return reflected, refraction_density(slopes, interface, d, w)
-
-
 def diffuse_density(slopes: Slopes, d: Array, w: Array) -> Array:
     """q of diffuse facets of albedo 1, (n,), by quadrature over the slopes that face both ways."""
     n = max(d.shape[1], w.shape[1])

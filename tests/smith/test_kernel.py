@@ -3,10 +3,18 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.smith.kernel import dielectric_density, scatter_density
+from msbsdf_cli.smith.kernel import reflection_density, refraction_density, scatter_density
 from msbsdf_cli.smith.slopes import SLOPES
 from surfaces.facet import dot
-from surfaces.materials import Conductor, Diffuse
+from surfaces.materials import Conductor, Dielectric, Diffuse
+
+
+def dielectric_density(slopes, eta, d, w):
+    """q (n,) off and through an interface of index `eta` behind over before; reversed,
+    q_t(d -> w) = eta^2 q_t'(-w -> -d), where the dash is for the other side."""
+    interface = Dielectric(eta)
+    reflected, _ = reflection_density(slopes, interface, d, w)
+    return reflected, refraction_density(slopes, interface, d, w)
 
 
 def directions(n, seed):

@@ -107,10 +107,6 @@ class MirrorGrid(QuarterGrid):
         across = (rows.across + np.swapaxes(rows.across, -1, -2)) / 2
         return Kernel(self.nodes[2], rows.sigma, self.weight, rows.down, across, None)
 
-    def single(self, d: Array, w: Array) -> Array:
-        """q (channels, n) between pairs of directions."""
-        return scatter_density(self.slopes, self.material, np.broadcast_to(d, w.shape), w)
-
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
         parts = [self._row(d[:, i]) for i in range(d.shape[1])]
@@ -180,10 +176,6 @@ class DiffuseGrid(QuarterGrid):
         scale = self._balance.behind * self.weight
         turn = self._albedo(self._behind * scale * scale[:, None])
         return Kernel(self.nodes[2], rows.sigma, self.weight, rows.down, rows.across, turn)
-
-    def single(self, d: Array, w: Array) -> Array:
-        """q (channels, n) between pairs of directions."""
-        return scatter_density(self.slopes, self.material, np.broadcast_to(d, w.shape), w)
 
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""

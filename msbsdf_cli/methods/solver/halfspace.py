@@ -9,7 +9,7 @@ import numpy as np
 from msbsdf_cli.methods.solver.anisotropic import DiffuseGrid, MirrorGrid
 from msbsdf_cli.methods.solver.isotropic import DiffuseModes, MirrorModes
 from msbsdf_cli.methods.solver.nodes import Elevations
-from msbsdf_cli.methods.solver.orders import Kernel, Rows, Table, energy, path_weight, tabulate
+from msbsdf_cli.methods.solver.orders import Kernel, Rows, Table, energy, tabulate
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Diffuse
@@ -33,9 +33,6 @@ class Discretisation(Protocol):
     def parting(self, a: Array, b: Array) -> Array:
         """Factors (blocks, n) that sum blocks to values from `a` (3, 1) to `b` (3, n)."""
 
-    def single(self, d: Array, w: Array) -> Array:
-        """q (channels, n) from `d` (3, 1), downward, to `w` (3, n), upward."""
-
 
 @dataclass(frozen=True)
 class HalfSpace:
@@ -47,7 +44,8 @@ class HalfSpace:
     resolution: float
 
     def evaluate(self, wi: Array, wo: Array) -> tuple[Array, float]:
-        """BSDF x cos(theta_o), (channels, orders + 1, n), and the energy not accounted for."""
+        """BSDF x cos(theta_o) from order 2 on, (channels, orders + 1, n), and the energy not
+        accounted for. The first order, 0 here, needs no solution."""
         value = np.zeros((self.material.channels, self.orders + 1, wo.shape[1]))
         up = np.flatnonzero(wo[2] > 0)
         d = -wi[:, None]
@@ -62,8 +60,6 @@ class HalfSpace:
             value[:, 1:, part] = np.moveaxis(
                 np.sum(later[..., which] * grid.parting(d, w), axis=2), 0, 1
             )
-            divisor = path_weight(rows.cos, rows.sigma, w[2], self.slopes.sigma(w))
-            value[:, 0, part] = grid.single(d, w) / divisor
         return value * np.maximum(wo[2], 0), start.unresolved
 
     def energy(self, wi: Array) -> Array:

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.special import betaln
 
 from msbsdf_cli.methods.solver.dielectric import TwoSides
 from msbsdf_cli.methods.solver.facets import Facets
@@ -13,7 +12,6 @@ from msbsdf_cli.methods.solver.heights import Heights
 from msbsdf_cli.methods.solver.nodes import SplitElevations, abscissa
 from msbsdf_cli.methods.solver.second import SecondOrder
 from msbsdf_cli.methods.solver.spread import SpreadGrid, SpreadModes
-from msbsdf_cli.smith.kernel import dielectric_density
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Dielectric
@@ -32,7 +30,8 @@ class TwoHalfSpaces:
     resolution: float
 
     def evaluate(self, wi: Array, wo: Array) -> tuple[Array, float]:
-        """BSDF x |cos(theta_o)|, (1, orders + 1, n), and the energy not accounted for."""
+        """BSDF x |cos(theta_o)| from order 2 on, (1, orders + 1, n), and the energy not accounted
+        for. The first order, 0 here, is in closed form."""
         value = np.zeros((self.orders + 1, wo.shape[1]))
         grid, second = self._directional, self._second
         flights, arrival = grid.follow(wi, self.orders), second.arrive(wi)
@@ -42,7 +41,6 @@ class TwoHalfSpaces:
             for part in (lanes[i : i + ENDS] for i in range(0, lanes.size, ENDS)):
                 # Inside, light is point-reflected.
                 w = sign * wo[:, part]
-                value[0, part] = self._single(d, w, side)
                 ends, which = grid.directions.distinct(w)
                 later = grid.emerge(flights, ends, side)
                 factors = grid.directions.parting(d, w)
@@ -52,16 +50,6 @@ class TwoHalfSpaces:
                     same = which == i
                     value[1, part[same]] += second.emerge(arrival, w[:, same], ends[:, i], side)
         return value[None], flights.unresolved
-
-    def _single(self, d: Array, w: Array, side: int) -> Array:
-        """Order 1, in closed form: the same heights for both directions, or those of one turned
-        over, which makes a beta function ([HHdD16] Eqs. 7 and 8)."""
-        before = np.broadcast_to(d, w.shape)
-        q = dielectric_density(self.slopes, self.material.ior, before, w)[side]
-        sigma, Lambda = self.slopes.sigma(d), self.slopes.sigma(w) / w[2]
-        if side == 0:
-            return q / (sigma - d[2] * Lambda)
-        return q * np.exp(betaln(-sigma / d[2], 1 + Lambda)) / -d[2]
 
     def energy(self, wi: Array) -> Array:
         """Energy (1, sides, orders + 1) that leaves in each order for `wi` (3,)."""

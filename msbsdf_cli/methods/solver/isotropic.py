@@ -68,10 +68,6 @@ class MirrorModes:
     def parting(self, a: Array, b: Array) -> Array:
         return parting(a, b, self.modes)
 
-    def single(self, d: Array, w: Array) -> Array:
-        """q (channels, n) between pairs of directions."""
-        return scatter_density(self.slopes, self.material, d, w)
-
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
         n = self.elevations.n
@@ -141,15 +137,6 @@ class DiffuseModes:
 
     def parting(self, a: Array, b: Array) -> Array:
         return parting(a, b, self.modes)
-
-    def single(self, d: Array, w: Array) -> Array:
-        """q (channels, n) from one direction down (3, 1) to others up (3, n), summed over modes."""
-        ends, which = distinct_elevations(w)
-        psi = [np.arctan2(np.abs(e[2]), np.hypot(e[0], e[1])) for e in (d, ends)]
-        facets = self._facets(np.concatenate(psi))
-        before, after = (self._seen(e, facets[0]) for e in psi)
-        modes = self._scatter(before, after, facets)[:, 0]
-        return self._albedo(np.sum(modes[:, which] * self.parting(d, w), axis=0))
 
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
