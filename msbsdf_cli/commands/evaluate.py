@@ -18,6 +18,8 @@ def command(**options: Any) -> None:
     and a picture. Without --method: all methods that hold for the material.
     """
     from msbsdf_cli.commands import common
+    from msbsdf_cli.methods.position_free import PositionFree
+    from msbsdf_cli.methods.registry import METHODS
     from msbsdf_cli.report.directory import new_report
     from msbsdf_cli.report.slices import draw_slices
     from msbsdf_cli.studies import recording
@@ -30,7 +32,7 @@ def command(**options: Any) -> None:
     walks = options["samples"] * len(options["theta"]) * len(options["method"])
     warnings = common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S)
     both_ends = options["bidirectional"]
-    if both_ends and not any(name.startswith("position-free") for name in options["method"]):
+    if both_ends and not any(issubclass(METHODS[name], PositionFree) for name in options["method"]):
         warnings.append("--bidirectional has no effect: it is for the position-free methods.")
     common.announce(warnings)
     started, elapsed = recording.now(), recording.stopwatch()

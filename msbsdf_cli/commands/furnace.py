@@ -47,16 +47,9 @@ def command(**options: Any) -> None:
     settings = options["samples"], options["seed"], accuracy, options["threads"], options["quiet"]
     with new_report(out) as draft:
         results = furnace(scene, alphas, options["method"], *settings)
-        late = [
-            f"method solve reached an error of {r.stderr[..., :-1].max():.2g} at alpha "
-            f"{r.alpha[0]:g},{r.alpha[1]:g}, not {accuracy:g}."
-            for r in results
-            if r.method == Solve.name
-            and accuracy is not None
-            and r.stderr[..., :-1].max() > accuracy
-        ]
-        common.announce(late)
-        warnings += late
+        missed = not_reached(results, accuracy)
+        common.announce(missed)
+        warnings += missed
         walks = options["samples"] * len(results) * len(scene.theta)
         record = recording.methods_record("furnace", options, started, elapsed(), walks, warnings)
         recording.write_report(draft, record, {"furnace.csv": furnace_table(scene, results)})
@@ -66,6 +59,20 @@ def command(**options: Any) -> None:
     elif not options["quiet"]:
         show(scene, results)
         click.echo(f"Report: {out}")
+
+
+def not_reached(results: list[Any], accuracy: float | None) -> list[str]:
+    """Sentences on where `solve` does not know an order's energy as well as was wanted."""
+    from msbsdf_cli.methods.solve import Solve
+
+    solved = (r for r in results if accuracy is not None and r.method == Solve.name)
+    errors = ((r.alpha, r.stderr[..., :-1].max()) for r in solved)
+    return [
+        f"method solve reached an error of {error:.2g} at alpha {alpha[0]:g},{alpha[1]:g}, "
+        f"not {accuracy:g}."
+        for alpha, error in errors
+        if error > accuracy
+    ]
 
 
 def show(scene: Any, results: list[Any]) -> None:

@@ -121,9 +121,9 @@ def draw_methods(simulated: Path, modelled: dict[str, Path], directory: Path) ->
                 largest = values.max()
                 for k, lobes in enumerate(theirs.values()):
                     angle, values, errors = _plane(lobes, row, i, side)
-                    axis.plot(angle, values, **method_look(k), lw=0.9)
-                    band, colour = (values - errors, values + errors), order_colour(k)
-                    axis.fill_between(angle, *band, color=colour, alpha=0.15, lw=0)
+                    look, band = method_look(k), (values - errors, values + errors)
+                    axis.plot(angle, values, **look, lw=0.9)
+                    axis.fill_between(angle, *band, color=look["color"], alpha=0.15, lw=0)
                     largest = max(largest, values.max())
                 _plane_axis(axis)
                 axis.set_ylim(0, BAND_ROOM * largest if largest > 0 else 1)

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from msbsdf_cli.report.directory import read_csv
-from msbsdf_cli.report.style import BAND_ROOM, COLOURS, DASHES, panels, save
+from msbsdf_cli.report.style import BAND_ROOM, DASHES, method_look, panels, save
 from surfaces.facet import Array
 
 NUMBERS = ("theta_i_rad", "theta_o_rad", "phi_o_rad", "value_per_sr", "stderr_per_sr")
@@ -39,8 +39,7 @@ def draw_slices(directory: Path) -> None:
                 axis.set_xlabel("angle from the zenith, degrees")
         axes[i, 0].set_ylabel("BSDF x cos(theta_o)  [1/sr]")
     handles = [
-        Line2D([], [], color=_colour(m, channels[0]), ls=_dashes(m, channels[0]), label=method)
-        for m, method in enumerate(methods)
+        Line2D([], [], **_look(m, channels[0]), label=method) for m, method in enumerate(methods)
     ]
     figure.legend(handles=handles, loc="upper left", ncols=4)
     save(figure, directory / "slice.png")
@@ -54,17 +53,15 @@ def _line(axis: Any, data: dict[str, Array], method: int, channel: str) -> None:
     angle = np.degrees(np.where(behind, -data["theta_o_rad"], data["theta_o_rad"]))
     order = np.argsort(angle)
     value, error = (data[name][order] for name in ("value_per_sr", "stderr_per_sr"))
-    colour, dashes = _colour(method, channel), _dashes(method, channel)
-    axis.plot(angle[order], value, color=colour, ls=dashes)
-    axis.fill_between(
-        angle[order], value - 2 * error, value + 2 * error, color=colour, alpha=0.2, lw=0
-    )
+    look, band = _look(method, channel), (value - 2 * error, value + 2 * error)
+    axis.plot(angle[order], value, **look)
+    axis.fill_between(angle[order], *band, color=look["color"], alpha=0.2, lw=0)
 
 
-def _colour(method: int, channel: str) -> str:
+def _look(method: int, channel: str) -> dict[str, Any]:
+    """A channel's colour and the method's dashes; where there is one, the look of the method."""
     named = {"red": "#c1272d", "green": "#2e8b3d", "blue": "#1f4fbf"}
-    return named.get(channel, COLOURS[method % len(COLOURS)])
-
-
-def _dashes(method: int, channel: str) -> str:
-    return DASHES[method % len(DASHES)] if channel else DASHES[method // len(COLOURS)]
+    if not channel:
+        return method_look(method)
+    colour = named.get(channel, method_look(method)["color"])
+    return {"color": colour, "ls": DASHES[method % len(DASHES)]}
