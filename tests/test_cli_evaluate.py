@@ -6,6 +6,12 @@ import numpy as np
 import pytest
 from command_line import msbsdf, table
 
+from msbsdf_cli.methods.walk import Walk
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.slopes import Beckmann
+from msbsdf_cli.studies.slicing import slice_directions
+from surfaces.materials import Conductor
+
 CONTRACT = [
     *("method", "theta_i_rad", "phi_i_rad", "theta_o_rad", "phi_o_rad", "order"),
     *("value_per_sr", "stderr_per_sr"),
@@ -64,6 +70,12 @@ def test_what_no_walk_has_found_counts_once_for_all_parts(tmp_path):
     assert (numbers(found[1], "value_per_sr") == 0).all()
     # The brightest of the paths tried, whose number is the same: 100 but for chance.
     assert np.median(few / many) == pytest.approx(100, rel=0.5)
+    # As for one method that does all the walks; the brightest of 256 paths is brighter than that
+    # of 16, but not by the 16 that counting it in every part would give.
+    wo = slice_directions(Scene("conductor", (0.1, 0.1), (0,), 0), None, 8).wo
+    walk = Walk(Beckmann(0.1, 0.1), Conductor(), 4)
+    alone = walk.unseen(np.array([0.0, 0, 1]), wo, 1600, np.random.default_rng(1))[0]
+    assert 0.5 < np.median(few / alone) < 4
 
 
 def test_the_same_bytes_whatever_the_threads(tmp_path):

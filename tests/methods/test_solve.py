@@ -249,6 +249,14 @@ def test_error_of_a_coarse_grid_of_directions(slopes, phi):
     assert (np.abs(found.value - value) <= 2 * found.stderr + 1e-9 * value.max()).all()
 
 
+def test_a_wanted_accuracy_is_refined_to():
+    arguments, wi = (SLOPES["ggx"](1, 1), Dielectric(), 2), direction(1.0)
+    wanted = Solve(*arguments).energy(wi).error.max() / 2
+    found = Solve.accurate(*arguments, wi[:, None], wanted).energy(wi)
+    assert found.error.max() <= wanted
+    assert (found.reflected + found.transmitted).sum() == pytest.approx(1, abs=1e-12)
+
+
 def test_reflection_only_leaves_nothing_below():
     wi, wo = direction(0.5), direction(2.0)[:, None]
     assert np.all(Solve(SLOPES["ggx"](0.5, 0.5), Conductor(), 2).evaluate(wi, wo).value == 0)
