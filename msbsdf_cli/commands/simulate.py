@@ -113,7 +113,7 @@ def run(
     from msbsdf_cli.commands.common import free_paths_from
     from msbsdf_cli.report.surface import draw_surface
     from msbsdf_cli.studies.recording import now, write_run
-    from msbsdf_cli.studies.simulating import Resolution, make_surface, simulate
+    from msbsdf_cli.studies.simulating import Resolution, realisation, simulate
 
     started = now()
     resolution = Resolution(
@@ -133,9 +133,9 @@ def run(
     if options.get("convergence"):
         write_convergence(draft, scene, options)
     finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))
-    draw_surface(draft, make_surface(finer, 0, options["seed"]), scene.alpha)
+    draw_surface(draft, realisation(finer, 0, options["seed"]), scene.alpha)
     if options["mesh"] is not None:
-        surface = make_surface(resolution, 0, options["seed"])
+        surface = realisation(resolution, 0, options["seed"])
         write_mesh(Path(options["mesh"]), surface.mesh(*scene.alpha))
     return outcome, record
 

@@ -35,7 +35,7 @@ from msbsdf_cli.options import MODEL, REPORT, RESOLUTION, Count, samples, use
 @click.option(
     "--claims",
     is_flag=True,
-    help="Also what the papers say of noise: a slab's image over time, variance added.",
+    help="Also what a paper says of noise: the error of a slab's image over time.",
 )
 @click.option(
     "--surfaces/--no-surfaces",

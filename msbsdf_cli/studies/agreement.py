@@ -10,6 +10,7 @@ import numpy as np
 from msbsdf_cli.report.directory import Table, read_csv, read_run
 from msbsdf_cli.report.free_path import Rows, load_free_paths
 from msbsdf_cli.report.lobes import Lobes, load_lobes
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.tally import SIDES, lobe_axes, merge_bins
 from surfaces.facet import Array
 
@@ -172,7 +173,7 @@ def _distance(
     from the standard errors, taken as independent between bins, for the mean and spread of their
     distances.
     """
-    rng = np.random.Generator(np.random.SFC64(0))
+    rng = stream(0, "noise of distances")
     stderr = np.hypot(*errors)
     noise = stderr * rng.standard_normal((NOISE_DRAWS, *stderr.shape))
     measure = _total_variation if quantity == "total_variation" else _kolmogorov_smirnov

@@ -10,6 +10,7 @@ import numpy as np
 
 from msbsdf_cli.parallel import Progress, in_order
 from msbsdf_cli.report.directory import Table
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.simulating import Resolution, make_surface
 from msbsdf_cli.studies.tables import order_names
@@ -24,6 +25,9 @@ EXTENTS = (8, 16, 32)
 WAVES = (30, 100, 300, 1000, None)
 EXTENT, CELLS_ELSE = 16, 8
 """Of the surfaces on which something else is varied."""
+SURFACES = 32
+"""On which cells and offsets are varied; independent surfaces of something else are 4 times more,
+since nothing of their noise cancels."""
 
 
 @dataclass(frozen=True)
@@ -42,15 +46,15 @@ class Trial:
 def convergence(scene: Scene, samples: int, seed: int, threads: int, quiet: bool) -> Table:
     """convergence.csv: energies, and their differences from the last value of each parameter.
 
-    `samples` rays for each incident angle and value are spread over 32 surfaces of 16 correlation
+    `samples` rays for each incident angle and value are spread over `SURFACES` surfaces of 16 correlation
     lengths, or the same area of others.
     """
-    rays = max(samples // 32, 1)
+    rays = max(samples // SURFACES, 1)
     base = Resolution(CELLS_ELSE, EXTENT, 0)
-    trials = [Trial(scene, "cells", CELLS, i, base, rays, seed) for i in range(32)]
-    trials += [Trial(scene, "lift", LIFTS[::-1], i, base, rays, seed) for i in range(32)]
+    trials = [Trial(scene, "cells", CELLS, i, base, rays, seed) for i in range(SURFACES)]
+    trials += [Trial(scene, "lift", LIFTS[::-1], i, base, rays, seed) for i in range(SURFACES)]
     for extent in EXTENTS:
-        count = 4 * 32 * EXTENT**2 // extent**2
+        count = 4 * SURFACES * EXTENT**2 // extent**2
         resolution = Resolution(CELLS_ELSE, extent, 0)
         part = max(4 * samples // count, 1)
         trials += [
@@ -59,7 +63,7 @@ def convergence(scene: Scene, samples: int, seed: int, threads: int, quiet: bool
     for waves in WAVES:
         resolution = Resolution(CELLS_ELSE, EXTENT, 0, waves)
         trials += [
-            Trial(scene, "waves", (waves,), i, resolution, rays, seed) for i in range(4 * 32)
+            Trial(scene, "waves", (waves,), i, resolution, rays, seed) for i in range(4 * SURFACES)
         ]
     results: dict[tuple[str, float | None], list[Array]] = {}
     with Progress("convergence", len(trials), "surfaces", quiet) as progress:
@@ -77,13 +81,15 @@ def _energies(trial: Trial) -> list[Array]:
         resolution = trial.resolution
         if trial.parameter == "cells":
             resolution = Resolution(int(value or 0), resolution.extent, 0)
-        surface = make_surface(resolution, trial.number, trial.seed)
+        field = trial.parameter, trial.number, resolution.extent, resolution.waves or 0
+        rng = stream(trial.seed, "convergence heightfield", *field)
+        surface = make_surface(resolution, rng)
         if trial.parameter == "lift":
             surface.lift *= value or 0
         tracer = Tracer(surface, *trial.scene.alpha, trial.scene.facets())
         energies = []
         for i, theta in enumerate(trial.scene.theta):
-            rng = np.random.Generator(np.random.SFC64([trial.seed, trial.number, 1 + i]))
+            rng = stream(trial.seed, "convergence rays", *field, i)
             tally = Tally(trial.scene.orders, independent=False)
             for light in tracer.trace(trial.scene.wi(theta), trial.rays, rng, 1000):
                 tally.add(light)

@@ -11,6 +11,7 @@ from msbsdf_cli.methods.position_free import PositionFree
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.parallel import Progress, in_order
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from surfaces.facet import Array
 
@@ -131,8 +132,7 @@ def run_job(job: EvaluationJob) -> list[Part]:
     for i in job.angles:
         started = time.perf_counter()
         method = _method(job.method, scene, job.bidirectional)
-        place = [job.seed, list(METHODS).index(job.method), i, job.part]
-        rng = np.random.Generator(np.random.SFC64(place))
+        rng = stream(job.seed, "evaluate", job.method, i, job.part)
         wi = scene.wi(scene.theta[i], dtype)
         evaluation = method.evaluate(wi, wo, job.samples, rng)
         seconds = time.perf_counter() - started

@@ -17,6 +17,7 @@ from msbsdf_cli.methods.single import Single, first_order, phase_density
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.parallel import Progress, in_order
 from msbsdf_cli.report.directory import Table
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.slicing import channel_names
 from msbsdf_cli.studies.tables import order_names
@@ -96,16 +97,18 @@ def run_furnace(job: FurnaceJob) -> Albedos:
             continue
         n = max(REPEATS, job.samples // DIRECTIONS)
         walks = -(-job.samples // n)
-        seeds = ([job.seed, i, repeat] for repeat in range(n))
-        repeats = np.array([_integrate(method, single, wi, walks, seed) for seed in seeds])
+        place = job.method, repr(scene.alpha), i
+        streams = (stream(job.seed, "furnace", *place, repeat) for repeat in range(n))
+        repeats = np.array([_integrate(method, single, wi, walks, rng) for rng in streams])
         rows.append([repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / np.sqrt(n)])
     value, stderr = np.moveaxis(np.array(rows), 1, 0)
     return Albedos(job.method, scene.alpha, value, stderr)
 
 
-def _integrate(method: Method, single: Single, wi: Array, walks: int, seed: list[int]) -> Array:
+def _integrate(
+    method: Method, single: Single, wi: Array, walks: int, rng: np.random.Generator
+) -> Array:
     """One repetition: albedos (channels, orders + 2)."""
-    rng = np.random.Generator(np.random.SFC64(seed))
     first = single.sample(wi, FIRST, rng)[1].mean(axis=1)
     wo, share = _outgoing(single, wi, rng)
     added = method.evaluate(wi, wo, walks, rng).value

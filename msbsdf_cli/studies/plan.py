@@ -8,8 +8,7 @@ sends to a second facet: where that is nothing, a mesh of any fineness gives the
 
 import math
 
-import numpy as np
-
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.studies.simulating import Resolution
@@ -31,7 +30,7 @@ def plan(
 ) -> Resolution:
     """The resolution that keeps each bias below half of `accuracy` and the standard error of the
     energy of an order near `accuracy`; what is given is taken as it is."""
-    share = max(multiple_share(scene, Conductor()), multiple_share(scene, scene.facets()))
+    share = max(multiple_share(scene, m) for m in {Conductor(), scene.facets()})
     any_multiple = min(1.0, 40 * share)
     if cells is None:
         per_cell2 = 0.25 * share + 0.03 * any_multiple
@@ -51,8 +50,9 @@ def multiple_share(scene: Scene, material: Material) -> float:
     """Largest share of light, over the incident angles, that facets of `material` send to a second
     facet, from a short random walk."""
     shares = []
-    for theta in scene.theta:
-        rng = np.random.Generator(np.random.SFC64(0))
+    for i, theta in enumerate(scene.theta):
+        # Of the seed 0 always: a seed does not change the resolution.
+        rng = stream(0, "pilot walks", material.name, i)
         wi = scene.wi(theta)
         walks = random_walk(scene.distribution(), material, wi, PILOT_WALKS, rng, 1)
         shares.append(sum(light.w.shape[1] for light in walks if not light.resolved) / PILOT_WALKS)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.parallel import Progress, in_order
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.studies.outcome import FreePaths, Outcome
 from msbsdf_cli.tally import Tally
@@ -66,9 +67,14 @@ class SurfaceResult:
     free_paths_lost: int
 
 
-def make_surface(resolution: Resolution, number: int, seed: int) -> Surface:
+def realisation(resolution: Resolution, number: int, seed: int) -> Surface:
     """Realisation `number` of the surface; the same field for any number of cells."""
-    rng = np.random.Generator(np.random.SFC64([seed, number]))
+    field = number, resolution.extent, resolution.waves or 0
+    return make_surface(resolution, stream(seed, "heightfield", *field))
+
+
+def make_surface(resolution: Resolution, rng: np.random.Generator) -> Surface:
+    """A random surface; from generators in the same state the same field for any cells."""
     if resolution.waves is None:
         amplitudes = all_waves(resolution.extent, rng)
     else:
@@ -128,14 +134,14 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     """Make one surface and trace all incident angles and free paths on it."""
     started = time.perf_counter()
     scene = job.scene
-    surface = make_surface(job.resolution, job.number, job.seed)
+    surface = realisation(job.resolution, job.number, job.seed)
     surface.query(np.zeros((3, 1)), np.ones((3, 1)))  # Embree builds in its first call.
     ready = time.perf_counter()
     surface.rays, surface.embree_s = 0, 0.0
     tracer = Tracer(surface, *scene.alpha, scene.facets())
     units = []
     for i, theta in enumerate(scene.theta):
-        rng = np.random.Generator(np.random.SFC64([job.seed, job.number, 1 + i]))
+        rng = stream(job.seed, "rays", job.number, i)
         tally = Tally(scene.orders, independent=False)
         for light in tracer.trace(scene.wi(theta), job.rays, rng, job.max_order):
             tally.add(light)
@@ -151,7 +157,7 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
 
 def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, int]:
     """Shares (theta, starts, bins + 1), weights (theta, starts), and rays lost."""
-    rng = np.random.Generator(np.random.SFC64([job.seed, job.number, 0]))
+    rng = stream(job.seed, "free-path rays", job.number)
     edges = np.array(job.free_path_edges)
     rows = len(job.free_path_theta), len(job.free_path_starts)
     shares, weights, lost = np.zeros((*rows, edges.size)), np.zeros(rows), 0

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.parallel import Progress, in_order
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.smith.heights import HEIGHTS, Heights
 from msbsdf_cli.smith.slopes import Slopes
@@ -62,14 +63,14 @@ def walk(
             tallies[index].merge(tally)
             progress.advance(tally.rays)
     wall_s = time.monotonic() - started
-    rng = np.random.Generator(np.random.SFC64([seed, len(scene.theta)]))
+    rng = stream(seed, "walk free paths")
     walk_free_paths(scene.distribution(), scene.phi, HEIGHTS[heights], free_paths, samples, rng)
     return Outcome(tallies, free_paths, wall_s)
 
 
 def run_walks(job: WalkJob) -> tuple[int, Tally]:
     """The tally of a job's walks."""
-    rng = np.random.Generator(np.random.SFC64([job.seed, job.theta_index, job.part]))
+    rng = stream(job.seed, "walk", job.theta_index, job.part)
     wi = job.scene.wi(job.scene.theta[job.theta_index], np.dtype(job.precision).type)
     tally = Tally(job.scene.orders)
     slopes, material = job.scene.distribution(), job.scene.facets()

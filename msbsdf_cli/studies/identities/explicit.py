@@ -29,12 +29,11 @@ SECTION = "explicit surfaces"
 def on_surfaces(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """Points uniform over the mean plane that face a direction, or two, and whether they are seen
     from there; and the normals that rays from wi meet first."""
-    seed = int(rng.integers(1 << 31))
     rays = n // SURFACES.realisations
     figures = np.array(
         [
-            _one_surface(c, make_surface(SURFACES, number, seed), rays, rng)
-            for number in range(SURFACES.realisations)
+            _one_surface(c, make_surface(SURFACES, rng), rays, rng)
+            for _ in range(SURFACES.realisations)
         ]
     )
     G1 = reference.masking_shadowing(c, c.i, np.array([[0.0], [0.0], [1.0]]))

@@ -1,13 +1,13 @@
 """Every identity in every configuration: from the list to the verdicts."""
 
 import time
-import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from msbsdf_cli.parallel import Progress, in_order
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.studies.identities import (
     bsdf,
     explicit,
@@ -112,5 +112,9 @@ def run(job: Job) -> list[Finding]:
 
 def _generator(seed: int, identity: Identity, place: int) -> np.random.Generator:
     """Streams by the identity's name, so that a new identity leaves the others' numbers alone."""
-    name = f"{identity.measure.__module__}.{identity.measure.__name__}"
-    return np.random.Generator(np.random.SFC64([seed, zlib.crc32(name.encode()), place]))
+    return stream(seed, "identity", name(identity), place)
+
+
+def name(identity: Identity) -> str:
+    """What tells an identity from all others."""
+    return f"{identity.measure.__module__}.{identity.measure.__name__}"

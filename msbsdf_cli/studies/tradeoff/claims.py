@@ -1,25 +1,24 @@
-"""What the papers say of noise, measured: an image of a slab, and the variance of later bounces.
+"""What a paper says of noise, measured on the image of a slab.
 
 [WJFYHY22 supp.] Figure 17: error over time of the correlated position-free model and of the walk of
 [HHdD16], on a slab under a directional light, over roughness. Each pixel is one pair of directions
 with walks of its own. Text there: two samples a pixel come very close to the truth, and the
 position-free estimator is consistently better.
-
-[HHdD16] Section 9.2: later bounces add about 20 % of variance to an image.
 """
 
 from dataclasses import dataclass, replace
+from itertools import count
 
 import numpy as np
 
 from msbsdf_cli.methods.position_free import PositionFreeCorrelated
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.methods.single import Single
 from msbsdf_cli.report.directory import Table
+from msbsdf_cli.run.streams import seed_sequence
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.studies.tradeoff.corners import ALPHAS
-from msbsdf_cli.studies.tradeoff.directions import Lobe, lobe_directions
+from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.errors import inner_products
 from msbsdf_cli.studies.tradeoff.measuring import timed
 from surfaces.facet import Array
@@ -43,10 +42,6 @@ FIGURE_17 = (
     *("method", "alpha_x", "alpha_y", "samples", "seconds_per_pixel", "relative_mse"),
     *("relative_mse_stderr", "gain_over_walk", "gain_stderr"),
 )
-CLAIMS = (
-    *("claim", "published", "method", "alpha_x", "alpha_y", "theta_i_rad", "measured", "stderr"),
-)
-
 ESTIMATORS = (
     "walk",
     "walk-low-variance",
@@ -77,14 +72,16 @@ class Noise:
     """Sum of all orders, mean of all walks, (channels, pixels)."""
 
 
-def noise(method: Method, lobe: Lobe, seed: int) -> Noise:
-    """Variance and time of one walk to each of the directions of `lobe`.
+def noise(method: Method, lobe: Lobe, seed: int, *place: str) -> Noise:
+    """Variance and time of one walk to each of the directions of `lobe`; `place` is that of the
+    random stream.
 
     The directions share walks here, which correlates them and leaves each one's variance as it is;
     the time is of one direction alone.
     """
+    seeds = (seed_sequence(seed, "slab", *place, r) for r in count())
     values = np.stack(
-        [timed(method, WALKS, lobe, [seed, r], False)[0].sum(axis=1) for r in range(REPLICATES)]
+        [timed(method, WALKS, lobe, next(seeds))[0].sum(axis=1) for _ in range(REPLICATES)]
     )
     image = values.mean(axis=0)
     scale = float((image**2 * lobe.solid_angle).sum())
@@ -93,7 +90,7 @@ def noise(method: Method, lobe: Lobe, seed: int) -> Noise:
     each = np.diag(gram) * REPLICATES / (REPLICATES - 1) * WALKS
     middle = lobe.wo.shape[1] // 2
     one = Lobe(lobe.theta, lobe.wi, lobe.wo[:, middle : middle + 1], lobe.solid_angle[:1])
-    seconds = [timed(method, TIMED_WALKS, one, [seed, r], False)[1] for r in range(5)]
+    seconds = [timed(method, TIMED_WALKS, one, next(seeds))[1] for _ in range(5)]
     return Noise(
         float(each.mean()),
         float(each.std(ddof=1) / np.sqrt(REPLICATES)),
@@ -123,7 +120,7 @@ def figure_17(scene: Scene, seed: int) -> Table:
     for alpha in ALPHAS:
         there = _of_roughness(scene, alpha)
         found = {
-            name: noise(make(name, there), slab(there), seed)
+            name: noise(make(name, there), slab(there), seed, name, repr(there.alpha))
             for name in ESTIMATORS
             if name != "exact" or not there.facets().transmits
         }
@@ -138,38 +135,6 @@ def figure_17(scene: Scene, seed: int) -> Table:
                 gains = (gain, gain * spread) if known else (np.nan, np.nan)
                 rows.append((name, *there.alpha, n, *map(float, (*error, *gains))))
     return dict(zip(FIGURE_17, zip(*rows, strict=True), strict=True))
-
-
-def more_variance(scene: Scene, directions: int, seed: int) -> Table:
-    """claims.csv: by how much later bounces raise the variance of a pixel.
-
-    The surface lies under an even sky, of which one direction is chosen uniformly and one walk
-    made; with single scattering alone, the choice of direction is all the noise there is.
-    """
-    rows = []
-    for alpha in ALPHAS:
-        there = _of_roughness(scene, alpha)
-        single = Single(there.distribution(), there.facets(), 1)
-        for theta in scene.theta:
-            lobe = lobe_directions(there, theta, directions, seed)
-            first = timed(single, 0, lobe, [seed], False)[0].sum(axis=1)
-            before = _sky_variance(first, lobe, 0.0)
-            for name in ("walk", "walk-low-variance"):
-                one = noise(make(name, there), lobe, seed)
-                after = _sky_variance(one.image, lobe, one.variance)
-                # The walk's own share of the variance is what is uncertain.
-                more = _sky_variance(one.image, lobe, one.variance + one.stderr)
-                added = float(after / before - 1), float((more - after) / before)
-                rows.append(("later bounces add variance", 0.2, name, *there.alpha, theta, *added))
-    return dict(zip(CLAIMS, zip(*rows, strict=True), strict=True))
-
-
-def _sky_variance(image: Array, lobe: Lobe, walk: float) -> float:
-    """Variance of a pixel under an even sky, walks' own relative variance added."""
-    sky = lobe.solid_angle.sum()
-    square = (image**2 * lobe.solid_angle).sum(axis=1)
-    mean = (image * lobe.solid_angle).sum(axis=1)
-    return float((sky * square * (1 + walk) - mean**2).mean())
 
 
 def _of_roughness(scene: Scene, alpha: float) -> Scene:

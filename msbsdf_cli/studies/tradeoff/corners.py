@@ -57,8 +57,9 @@ def corner_rows(
         scale = alpha / max(scene.alpha)
         there = replace(scene, alpha=(scale * scene.alpha[0], scale * scene.alpha[1]), theta=thetas)
         lobes = [lobe_directions(there, theta, directions, protocol.seed) for theta in thetas]
-        truth = reference(there, lobes, SAMPLES, protocol.seed)
-        few = replace(protocol, replicates=min(protocol.replicates, REPLICATES))
+        purpose = f"{protocol.purpose} {alpha}"
+        truth = reference(there, lobes, SAMPLES, protocol.seed, purpose)
+        few = replace(protocol, replicates=min(protocol.replicates, REPLICATES), purpose=purpose)
         rows += method_rows(there, measure(there, settings, lobes, few), truth)
         advance(1)
     return rows

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.methods.single import Single, phase_density
+from msbsdf_cli.run.streams import seed_sequence
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.quasirandom import QuasiRandom
 from surfaces.facet import Array
@@ -33,7 +34,7 @@ def lobe_directions(scene: Scene, theta: float, n: int, seed: int) -> Lobe:
     """
     slopes, material, wi = scene.distribution(), scene.facets(), scene.wi(theta)
     even = max(2, round(EVERYWHERE * n))
-    rng = QuasiRandom([seed, 0x10BE])
+    rng = QuasiRandom(seed_sequence(seed, "lobe directions"))
     rng.begin()
     z, turn = rng.random(even), 2 * np.pi * rng.random(even)
     sides = 1 + material.transmits

@@ -10,6 +10,7 @@ from msbsdf_cli.methods.directions import Holds
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.run.streams import generator, seed_sequence, stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.quasirandom import QuasiRandom, evaluate_quasirandom
@@ -131,6 +132,8 @@ class Protocol:
     replicates: int
     seed: int
     qmc: bool = False
+    purpose: str = "chart"
+    """What is measured: each purpose has random streams of its own."""
 
 
 def measure(
@@ -150,13 +153,14 @@ def measure(
     ]
     methods = [method for _ in lobes for method, _ in made]
     for r in range(-1, protocol.replicates):
-        order = np.random.default_rng([protocol.seed, r + 1]).permutation(len(series))
+        turn = protocol.purpose, r + 1
+        order = stream(protocol.seed, "order of runs", *turn).permutation(len(series))
         for i in order:
             one = series[i]
             if one.setting.deterministic and (r < 0 or enough(one.seconds)):
                 continue  # Its set-up was its first run.
-            place = [protocol.seed, i, r + 1]
-            value, seconds = timed(methods[i], one.setting.samples, one.lobe, place, protocol.qmc)
+            seed = seed_sequence(protocol.seed, "timed run", *turn, int(i))
+            value, seconds = timed(methods[i], one.setting.samples, one.lobe, seed, protocol.qmc)
             if r >= 0:
                 one.seconds.append(seconds)
                 if not (one.setting.deterministic and one.values):
@@ -172,15 +176,14 @@ def enough(seconds: list[float]) -> bool:
 
 
 def timed(
-    method: Method, samples: int, lobe: Lobe, place: list[int], qmc: bool
+    method: Method, samples: int, lobe: Lobe, seed: np.random.SeedSequence, qmc: bool = False
 ) -> tuple[Array, float]:
     """One evaluation of a lobe and the seconds it took, those of making random points included."""
     started = time.perf_counter()
     if qmc and not method.deterministic:
-        value = evaluate_quasirandom(method, lobe.wi, lobe.wo, samples, QuasiRandom(place))
+        value = evaluate_quasirandom(method, lobe.wi, lobe.wo, samples, QuasiRandom(seed))
     else:
-        rng = np.random.Generator(np.random.SFC64(place))
-        value = method.evaluate(lobe.wi, lobe.wo, samples, rng).value
+        value = method.evaluate(lobe.wi, lobe.wo, samples, generator(seed)).value
     return value, time.perf_counter() - started
 
 
@@ -195,7 +198,8 @@ def set_up(setting: Setting, scene: Scene, lobe: Lobe) -> tuple[Method, Quartile
         method = setting.make(scene)
         made = time.perf_counter() - started
         if setting.deterministic:
-            first, second = (timed(method, 1, one, [0], False)[1] for _ in range(2))
+            unused = seed_sequence(0, "timed run", "set-up")
+            first, second = (timed(method, 1, one, unused)[1] for _ in range(2))
             made += max(first - second, 0.0)
         seconds.append(made)
         if sum(seconds) > SLOW_S:

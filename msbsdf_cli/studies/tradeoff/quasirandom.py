@@ -7,6 +7,7 @@ from scipy.stats import qmc
 
 from msbsdf_cli.methods.estimate import BATCH_VALUES
 from msbsdf_cli.methods.protocol import Method
+from msbsdf_cli.run.streams import generator
 from msbsdf_cli.smith.walk import BLOCK
 from surfaces.facet import Array
 
@@ -26,10 +27,10 @@ class QuasiRandom(np.random.Generator):
     pseudo-random from there on. Each path follows its own law as before: no bias.
     """
 
-    def __init__(self, place: list[int]) -> None:
-        super().__init__(np.random.SFC64(place))
-        scramble = np.random.Generator(np.random.SFC64([*place, 1]))
-        self.sobol = qmc.Sobol(DIMENSIONS, scramble=True, bits=BITS, seed=scramble)
+    def __init__(self, seed: np.random.SeedSequence) -> None:
+        super().__init__(generator(seed).bit_generator)
+        (scramble,) = seed.spawn(1)
+        self.sobol = qmc.Sobol(DIMENSIONS, scramble=True, bits=BITS, seed=generator(scramble))
         self.begin()
 
     def begin(self) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from msbsdf_cli.methods.protocol import NotForThis
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.errors import inner_products, taken_apart
@@ -47,17 +48,19 @@ class Reference:
     seconds: float
 
 
-def reference(scene: Scene, lobes: list[Lobe], samples: int, seed: int) -> Reference:
+def reference(
+    scene: Scene, lobes: list[Lobe], samples: int, seed: int, purpose: str = "chart"
+) -> Reference:
     """By `solve`, ever finer until its own estimate is below `ENOUGH` or it takes too long; where
     it does not hold, or not well, by many walks from both ends."""
     started = time.perf_counter()
     try:
         found = _solved(scene, lobes)
     except NotForThis:
-        return _by_chance(scene, lobes, MORE_WALKS * samples, seed)
+        return _by_chance(scene, lobes, MORE_WALKS * samples, seed, purpose)
     if max(found.noise) < TOLERABLE:
         return found
-    other = _by_chance(scene, lobes, MORE_WALKS * samples, seed)
+    other = _by_chance(scene, lobes, MORE_WALKS * samples, seed, purpose)
     best = min(found, other, key=lambda r: max(r.noise))
     return replace(best, seconds=time.perf_counter() - started)
 
@@ -98,12 +101,14 @@ def relative(difference: Array, truth: Array, weight: Array) -> float:
     return float(np.sqrt(over / under))
 
 
-def _by_chance(scene: Scene, lobes: list[Lobe], samples: int, seed: int) -> Reference:
+def _by_chance(
+    scene: Scene, lobes: list[Lobe], samples: int, seed: int, purpose: str = "chart"
+) -> Reference:
     started = time.perf_counter()
     method = METHODS["walk-low-variance"](scene.distribution(), scene.facets(), scene.orders)
     values, noise = [], []
     for i, lobe in enumerate(lobes):
-        rng = np.random.Generator(np.random.SFC64([seed, i, 0x4EF]))
+        rng = stream(seed, "reference walks", purpose, i)
         size = max(2, samples // PARTS)
         parts = np.stack([method.evaluate(lobe.wi, lobe.wo, size, rng).value for _ in range(PARTS)])
         mean = parts.mean(axis=0)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from msbsdf_cli.report.directory import Table
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.errors import accuracy, root
 from msbsdf_cli.studies.tradeoff.fits import pareto, rank_stability, slope
@@ -191,7 +192,8 @@ def with_ranks(rows: list[Row]) -> list[Row]:
     rank, kept = rank_stability(
         [r.squares for r in dearest],
         [np.array(r.times) for r in dearest],
-        np.random.default_rng(0),
+        # Of the seed 0 always: ranks are a property of the measurement, not of its seed.
+        stream(0, "rank"),
     )
     rows = list(rows)
     for i, place, share in zip(last.values(), rank, kept, strict=True):

@@ -4,12 +4,11 @@ import time
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-import numpy as np
-
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.parallel import in_order
 from msbsdf_cli.report.directory import Table
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.measuring import (
@@ -88,7 +87,7 @@ def over_orders(
     """Time over the orders that are told apart."""
     rows = []
     for orders in ORDERS:
-        few = replace(protocol, replicates=REPEATS)
+        few = replace(protocol, replicates=REPEATS, purpose=f"orders {orders}")
         for s in measure(replace(scene, orders=orders), one_each(methods), [lobe], few):
             low, middle, high = s.times
             place = s.setting.method, lobe.theta, s.setting.samples
@@ -103,12 +102,13 @@ class ShareJob:
     scene: Scene
     setting: Setting
     lobe: Lobe
-    place: tuple[int, ...]
+    seed: int
+    place: tuple[int | str, ...]
 
 
 def do_share(job: ShareJob) -> None:
     """Evaluate, for the time it takes."""
-    rng = np.random.Generator(np.random.SFC64(job.place))
+    rng = stream(job.seed, "shared work", *job.place)
     _made(job.setting, job.scene).evaluate(job.lobe.wi, job.lobe.wo, job.setting.samples, rng)
 
 
@@ -127,8 +127,8 @@ def over_threads(
     for r in range(THREAD_REPEATS):
         for setting in (s for s in settings if not s.deterministic):
             for count in counts:
-                places = [(seed, r, part) for part in range(THREAD_PARTS)]
-                jobs = [ShareJob(scene, setting, lobe, place) for place in places]
+                places = [(setting.method, r, part) for part in range(THREAD_PARTS)]
+                jobs = [ShareJob(scene, setting, lobe, seed, place) for place in places]
                 started = time.perf_counter()
                 for _ in in_order(do_share, jobs, count):
                     pass

@@ -12,7 +12,7 @@ from msbsdf_cli.studies.plan import plan
 from msbsdf_cli.studies.tradeoff import floors as flooring
 from msbsdf_cli.studies.tradeoff import reach as reaching
 from msbsdf_cli.studies.tradeoff import rows as tabulating
-from msbsdf_cli.studies.tradeoff.claims import figure_17, more_variance, two_samples
+from msbsdf_cli.studies.tradeoff.claims import figure_17, two_samples
 from msbsdf_cli.studies.tradeoff.corners import ALPHAS, THETAS, corner_rows, unbeaten
 from msbsdf_cli.studies.tradeoff.directions import Lobe, lobe_directions
 from msbsdf_cli.studies.tradeoff.measuring import Protocol, Series, ladder, measure
@@ -137,10 +137,7 @@ def run(scene: Scene, options: dict[str, Any]) -> Result:
     if options["corners"]:
         result.corners = reaching.reach(over_roughness(scene, options, THETAS, "corners"))
     if options["claims"]:
-        result.claims = {
-            "figure_17.csv": figure_17(scene, seed),
-            "claims.csv": more_variance(scene, options["directions"], seed),
-        }
+        result.claims = {"figure_17.csv": figure_17(scene, seed)}
     result.warnings = warnings_of(result, options)
     return result
 
@@ -152,9 +149,8 @@ def pair_rows(
     settings = [
         replace(s, one_by_one=True) for s in one_each(options["method"], options["samples"])
     ]
-    protocol = Protocol(
-        min(options["replicates"], PAIR_REPLICATES), options["seed"], options["qmc"]
-    )
+    few = min(options["replicates"], PAIR_REPLICATES)
+    protocol = Protocol(few, options["seed"], options["qmc"], "pairs")
     with Progress("pairs", protocol.replicates + 1, "rounds", options["quiet"]) as progress:
         series = measure(scene, settings, lobes, protocol, progress.advance)
     return tabulating.method_rows(scene, series, truth)
@@ -177,7 +173,7 @@ def over_roughness(
     scene: Scene, options: dict[str, Any], thetas: tuple[float, ...], label: str
 ) -> list[tabulating.Row]:
     """Rows over roughness and these angles."""
-    protocol = Protocol(options["replicates"], options["seed"], options["qmc"])
+    protocol = Protocol(options["replicates"], options["seed"], options["qmc"], label)
     with Progress(label, len(ALPHAS), "roughnesses", options["quiet"]) as progress:
         return corner_rows(
             scene, options["method"], thetas, options["directions"], protocol, progress.advance

@@ -12,6 +12,7 @@ import numpy as np
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.parallel import Progress, in_order
+from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.simulating import Resolution, SurfaceJob, trace_surface
 from msbsdf_cli.studies.tradeoff.errors import jackknife, root
@@ -118,7 +119,7 @@ def sample_model(job: ModelJob) -> Array:
     method = METHODS[job.model](scene.distribution(), scene.facets(), scene.orders)
     lobes = []
     for i, theta in enumerate(scene.theta):
-        rng = np.random.Generator(np.random.SFC64([job.seed, i, job.part, 0xB0]))
+        rng = stream(job.seed, "model lobe", job.model, i, job.part)
         w, weight = method.sample(scene.wi(theta), PART_SAMPLES, rng)
         sides = [
             np.bincount(lobe_bin(w[:, there]), weight[0, there], THETA_BINS * PHI_BINS)
