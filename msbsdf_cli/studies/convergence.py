@@ -46,8 +46,8 @@ class Trial:
 def convergence(scene: Scene, samples: int, seed: int, threads: int, quiet: bool) -> Table:
     """convergence.csv: energies, and their differences from the last value of each parameter.
 
-    `samples` rays for each incident angle and value are spread over `SURFACES` surfaces of 16 correlation
-    lengths, or the same area of others.
+    `samples` rays for each incident angle and value are spread over `SURFACES` surfaces of 16
+    correlation lengths, or the same area of others.
     """
     rays = max(samples // SURFACES, 1)
     base = Resolution(CELLS_ELSE, EXTENT, 0)
