@@ -57,9 +57,12 @@ class Tally:
         }
         size = sum(int(np.prod(shape)) for shape in self._shapes.values())
         self.sums = np.zeros((2, size))
-        self._sum, self._square = (self._views(row) for row in self.sums)
+        self.systematic = np.zeros(size)
+        """Squares of errors that more units would not make smaller, as `sums`."""
+        self._sum, self._square = (self.views(row) for row in self.sums)
 
-    def _views(self, row: Array) -> dict[str, Array]:
+    def views(self, row: Array) -> dict[str, Array]:
+        """Parts of a row of all figures, by name, in the shapes of `estimate`."""
         views, start = {}, 0
         for name, shape in self._shapes.items():
             end = start + int(np.prod(shape))
@@ -118,6 +121,14 @@ class Tally:
         unit.units, unit.rays, unit.facets = 1, self.rays, self.facets
         return unit
 
+    def less(self, other: "Tally") -> "Tally":
+        """What one unit has more than another of the same light, as a unit."""
+        apart = Tally(self.orders)
+        apart.sums[0] = self.sums[0] - other.sums[0]
+        apart.sums[1] = apart.sums[0] ** 2
+        apart.units, apart.rays = 1, self.rays
+        return apart
+
     def merge(self, other: "Tally") -> None:
         """Take in another tally's units."""
         self.sums += other.sums
@@ -126,9 +137,9 @@ class Tally:
         self.facets += other.facets
 
     def estimate(self, name: str) -> Estimate:
-        """Mean over units and its standard error, for one of `energy` (orders + 1, sides), `side`
-        (sides), `moments` (orders + 1, sides, 6), `lobe` (orders + 1, sides, bins), `sequence`
-        (codes, sides), `absorbed`, `unresolved` (scalars).
+        """Mean over units and its standard error, with what is `systematic` in it, for one of
+        `energy` (orders + 1, sides), `side` (sides), `moments` (orders + 1, sides, 6), `lobe`
+        (orders + 1, sides, bins), `sequence` (codes, sides), `absorbed`, `unresolved` (scalars).
         """
         mean = self._sum[name] / self.units
         spread = np.maximum(self._square[name] / self.units - mean * mean, 0)
@@ -136,7 +147,7 @@ class Tally:
         unseen = 1 / self.rays**2 if mean.ndim else 0.0
         with np.errstate(divide="ignore"):
             variance = np.divide(spread, self.units - 1) if self.units > 1 else np.inf + spread
-        return Estimate(mean, np.sqrt(variance + unseen))
+        return Estimate(mean, np.sqrt(variance + unseen + self.views(self.systematic)[name]))
 
 
 def _moments(w: Array, share: Array | None, power: int) -> Array:

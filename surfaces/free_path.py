@@ -11,6 +11,7 @@ import numpy as np
 
 from surfaces.facet import Array
 from surfaces.periodic import ESCAPED, meet, next_triangle
+from surfaces.stretch import Stretch
 from surfaces.surface import Surface
 from surfaces.tracing import BLOCK, morton
 
@@ -27,14 +28,14 @@ class FreePaths(NamedTuple):
 
 
 def next_heights(
-    surface: Surface, scale: Array, d: Array, start: float, n: int, rng: np.random.Generator
+    surface: Surface, stretch: Stretch, d: Array, start: float, n: int, rng: np.random.Generator
 ) -> FreePaths:
     """Heights of the facets that `n` rays in direction `d` (3,) meet next.
 
-    `scale` (3, 1) is `Surface.stretch` of the roughness. `start` is the height of departure, or
+    `stretch` is that of the surface for the roughness. `start` is the height of departure, or
     infinite for rays that arrive from outside.
     """
-    travel = d[:, None] * scale
+    travel = stretch.to_grid(d[:, None])
     if np.isinf(start):
         origins = np.empty((3, n))
         origins[:2] = morton((np.arange(n) + rng.random(n)) / n) * surface.period

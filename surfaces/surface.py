@@ -15,6 +15,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from surfaces.facet import Array
+from surfaces.stretch import Stretch
 
 MARGIN = 1
 """Cells meshed beyond each side of the period, so that no hit is ever sought at the mesh's rim."""
@@ -39,8 +40,9 @@ class Surface:
         """Cells in a period, along each axis."""
         return len(self.heights)
 
-    def stretch(self, alpha_x: float, alpha_y: float) -> Array:
-        """Cells per unit length along x, y, z, (3, 1), for a roughness; 1 along z.
+    def stretch(self, alpha_x: float, alpha_y: float, phi: float | None = None) -> Stretch:
+        """From the world's coordinates to the grid's, for a roughness and, turned so that the
+        period matters least, for light of azimuth `phi`.
 
         A flat facet spans one cell, and its slope is the mean over it: low in variance by
         (1 - exp(-delta^2)) / delta^2, delta = 1 / cells. The surface is shortened by the root of
@@ -48,7 +50,7 @@ class Surface:
         """
         delta2 = 1 / self.cells**2
         cells = self.cells * np.sqrt(delta2 / -np.expm1(-delta2))
-        return np.array([[alpha_x / 2 * cells], [alpha_y / 2 * cells], [1.0]])
+        return Stretch.of(alpha_x / 2 * cells, alpha_y / 2 * cells, phi)
 
     @cached_property
     def top(self) -> float:
@@ -155,5 +157,5 @@ class Surface:
         h = np.pad(self.heights, (0, 1), mode="wrap")
         axis = np.arange(len(h), dtype=float)
         u, v = np.meshgrid(axis, axis, indexing="ij")
-        vertices = np.stack([u, v, h]).reshape(3, -1) / self.stretch(alpha_x, alpha_y)
+        vertices = self.stretch(alpha_x, alpha_y).to_world(np.stack([u, v, h]).reshape(3, -1))
         return trimesh.Trimesh(vertices.T, self.faces(len(h)), process=False, validate=False)

@@ -32,15 +32,19 @@ class Rays(Batch):
 
 
 class Tracer:
-    """Light on `surface`, stretched to a roughness, with facets of `material`."""
+    """Light of azimuth `phi` on `surface`, stretched to a roughness, with facets of `material`."""
 
     def __init__(
-        self, surface: Surface, alpha_x: float, alpha_y: float, material: Material
+        self,
+        surface: Surface,
+        alpha_x: float,
+        alpha_y: float,
+        material: Material,
+        phi: float = 0.0,
     ) -> None:
         self.surface = surface
         self.material = material
-        self.scale = surface.stretch(alpha_x, alpha_y)
-        self.unscale = 1 / self.scale
+        self.stretch = surface.stretch(alpha_x, alpha_y, phi)
 
     def trace(self, wi: Array, n: int, rng: np.random.Generator, max_order: int) -> Iterator[Light]:
         """Trace `n` rays from the direction `wi` (3,), z > 0; yield what leaves, order by order.
@@ -70,7 +74,7 @@ class Tracer:
         o = np.empty((3, n))
         o[:2] = morton(curve) * self.surface.period
         o[2] = self.surface.top
-        rays = Rays(o, np.broadcast_to(-wi[:, None] * self.scale, (3, n)))
+        rays = Rays(o, np.broadcast_to(self.stretch.to_grid(-wi[:, None]), (3, n)))
         if self.material.absorbs:
             rays.weight = np.ones((self.material.channels, n))
         if self.material.transmits:
@@ -101,15 +105,13 @@ class Tracer:
             survivors.append(self._scatter(rays, point, slopes, rng))
 
     def _scatter(self, rays: Rays, point: Array, slopes: Array, rng: np.random.Generator) -> Rays:
-        m = np.empty_like(point)
-        m[:2] = -slopes * self.scale[:2]
-        m[2] = 1
+        m = self.stretch.normals(slopes)
         if rays.inside is not None:
             np.negative(m, out=m, where=rays.inside)
         travel, gain, transmitted = self.material.scatter(
-            rays.d * self.unscale, m, rays.inside, rng
+            self.stretch.to_world(rays.d), m, rays.inside, rng
         )
-        after = Rays(point, travel * self.scale)
+        after = Rays(point, self.stretch.to_grid(travel))
         lift: Array | float = self.surface.lift
         if gain is not None and rays.weight is not None:
             after.weight = rays.weight * gain
@@ -121,7 +123,7 @@ class Tracer:
         return after
 
     def _leave(self, rays: Rays, order: int, resolved: bool = True) -> Light:
-        w = rays.d * self.unscale
+        w = self.stretch.to_world(rays.d)
         return Light(order, w, rays.weight, rays.inside, rays.sequence, resolved)
 
 

@@ -185,7 +185,7 @@ def show(rows: list[Any]) -> None:
                 measured(r.modelled, r.modelled_stderr),
                 f"{r.difference:.2g}",
                 f"{r.noise:.1g}",
-                f"{r.own:.2g}",
+                measured(r.own, r.own_stderr),
                 f"{r.z:.1f}",
             )
         )

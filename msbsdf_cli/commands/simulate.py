@@ -110,7 +110,10 @@ def run(
     draft: Path, scene: Any, options: dict[str, Any], warnings: list[str]
 ) -> tuple[Any, dict[str, Any]]:
     """Simulate, and write the report into `draft`; the outcome and the content of run.json."""
+    import numpy as np
+
     from msbsdf_cli.commands.common import free_paths_from
+    from msbsdf_cli.report.lobes import GROUPS
     from msbsdf_cli.report.surface import draw_surface
     from msbsdf_cli.studies.recording import now, write_run
     from msbsdf_cli.studies.simulating import Resolution, realisation, simulate
@@ -130,6 +133,7 @@ def run(
         options["quiet"],
     )
     record = write_run(draft, "simulate", options, started, scene, outcome, warnings)
+    np.save(draft / GROUPS, np.asarray(outcome.lobe_groups, np.float32))
     if options.get("convergence"):
         write_convergence(draft, scene, options)
     finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))

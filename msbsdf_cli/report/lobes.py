@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 from matplotlib.colors import PowerNorm, SymLogNorm
 from matplotlib.lines import Line2D
@@ -63,6 +64,22 @@ def load_lobes(directory: Path) -> Lobes:
         if side in SIDES:
             lobes.energy[theta.index(t), SIDES.index(side)] += value
     return lobes
+
+
+GROUPS = "lobe_groups.npy"
+"""Lobes of independent groups of surfaces (theta, group, order, side, merged bin), as energies."""
+
+
+def load_groups(directory: Path) -> Array | None:
+    """The lobes of groups of surfaces, if the report has them; raises click.ClickException for a
+    file that is not one."""
+    path = directory / GROUPS
+    if not path.exists():
+        return None
+    try:
+        return np.asarray(np.load(path, allow_pickle=False), float)
+    except (OSError, ValueError) as error:
+        raise click.ClickException(f"{path} does not hold lobes: {error}.") from None
 
 
 def draw_lobes(directory: Path) -> None:

@@ -25,7 +25,7 @@ def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float]) 
     left.imshow(_view(surface, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear")
     left.set_title(f"alpha = {alpha[0]:g}, {alpha[1]:g}: seen from 35 degrees above the horizon")
     left.axis("off")
-    lengths = (surface.period / surface.stretch(*alpha)[:2]).ravel()
+    lengths = surface.period / np.diag(surface.stretch(*alpha).matrix)[:2]
     picture = right.imshow(
         surface.heights.T,
         origin="lower",
@@ -41,7 +41,7 @@ def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float]) 
 
 def _view(surface: Surface, alpha: tuple[float, float]) -> Array:
     """Brightness (PIXELS, PIXELS) of a diffuse surface under a low lamp, seen by parallel rays."""
-    scale = surface.stretch(*alpha)
+    stretch = surface.stretch(*alpha)
     elevation = np.radians(35)
     view = np.array([0.0, np.cos(elevation), -np.sin(elevation)])
     up = np.array([0.0, np.sin(elevation), np.cos(elevation)])
@@ -53,19 +53,19 @@ def _view(surface: Surface, alpha: tuple[float, float]) -> Array:
     o = o.reshape(3, -1)
     # Back along the line of sight to above the highest point.
     o = o + ((surface.top + 0.1 - o[2]) / view[2]) * view[:, None]
-    o = o * scale
+    o = stretch.to_grid(o)
     o[:2] %= surface.period
     o[2] = surface.top
-    d = np.broadcast_to(view[:, None] * scale, o.shape)
+    d = np.broadcast_to(stretch.to_grid(view[:, None]), o.shape)
     triangle = next_triangle(surface, o, d, None)
     hit = triangle >= 0
     point, _, slopes = meet(surface, o[:, hit], d[:, hit], triangle[hit])
-    m = np.vstack([-slopes * scale[:2], np.ones(point.shape[1])])
+    m = stretch.normals(slopes)
     m /= np.sqrt((m * m).sum(axis=0))
     lamp = np.array([0.75, 0.35, 0.56])
     lamp /= np.linalg.norm(lamp)
     point[2] += surface.lift
-    towards = np.broadcast_to(lamp[:, None] * scale, point.shape)
+    towards = np.broadcast_to(stretch.to_grid(lamp[:, None]), point.shape)
     lit = next_triangle(surface, point, towards, None) < 0
     sky = 0.5 + 0.5 * m[2]
     brightness = np.zeros(hit.size)

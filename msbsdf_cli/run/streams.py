@@ -35,6 +35,7 @@ STREAMS = {
 
 COMMON = {
     "heightfield": "a realisation is the same field in whatever fineness it is meshed",
+    "rays": "the same rays meet the same field on two meshes, and tell these apart",
     "convergence heightfield": "cells and offsets are varied on the same fields",
     "convergence rays": "cells and offsets are varied under the same rays",
     "noise of distances": "the same draws, scaled, serve every distance",

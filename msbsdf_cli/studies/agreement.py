@@ -9,8 +9,14 @@ import numpy as np
 
 from msbsdf_cli.report.directory import Table, read_csv, read_run
 from msbsdf_cli.report.free_path import Rows, load_free_paths
-from msbsdf_cli.report.lobes import Lobes, load_lobes
-from msbsdf_cli.run.streams import stream
+from msbsdf_cli.report.lobes import Lobes, load_groups, load_lobes
+from msbsdf_cli.report.terminal import measured
+from msbsdf_cli.studies.distances import (
+    Distance,
+    Histogram,
+    kolmogorov_smirnov,
+    total_variation,
+)
 from msbsdf_cli.tally import SIDES, lobe_axes, merge_bins
 from surfaces.facet import Array
 
@@ -35,11 +41,12 @@ class Row:
     difference: float
     """Modelled minus simulated, or the distance between them."""
     z: float
-    """The difference over its standard error; for a distance, what it exceeds noise by."""
+    """`own` over its standard error."""
     noise: float
     """How large a difference noise alone makes."""
     own: float
-    """How much of the difference is the model's own."""
+    """How much of the difference is the model's own: what it would be without noise."""
+    own_stderr: float
     method: str = "walk"
 
 
@@ -73,10 +80,12 @@ def in_order(first: Path, second: Path) -> tuple[Path, Path]:
 def agreement(simulated: Path, modelled: Path, method: str = "walk") -> list[Row]:
     """Every quantity of two reports, side by side; without free paths where the model has none."""
     ours, theirs = load_lobes(simulated), load_lobes(modelled)
+    groups = load_groups(simulated)
     rows = _energies(simulated, modelled)
-    for i, theta in enumerate(ours.theta):
+    for i in range(len(ours.theta)):
         for side in range(1 + ours.transmits):
-            rows += _total_variations(ours, theirs, i, theta, side)
+            mine = None if groups is None else groups[i, :, :, side]
+            rows += _total_variations(ours, theirs, i, side, mine)
     if (modelled / "free_path.csv").exists():
         rows += _free_paths(load_free_paths(simulated), load_free_paths(modelled), ours.phi)
     return [replace(row, method=method) for row in rows]
@@ -113,30 +122,38 @@ def _signed(
     b: float,
     b_stderr: float,
 ) -> Row:
-    """A difference; its square less the noise's is an unbiased square of the model's own."""
+    """A difference, which noise does not bias: all of it is the model's own, as far as known."""
     noise, d = math.hypot(a_stderr, b_stderr), b - a
     z = d / noise if noise > 0 else 0.0
-    own = math.copysign(math.sqrt(max(d * d - noise * noise, 0)), d)
-    return Row(quantity, *place, a, a_stderr, b, b_stderr, d, z, noise, own)
+    return Row(quantity, *place, a, a_stderr, b, b_stderr, d, z, noise, d, noise)
 
 
-def _total_variations(ours: Lobes, theirs: Lobes, i: int, theta: float, side: int) -> list[Row]:
+def _total_variations(
+    ours: Lobes, theirs: Lobes, i: int, side: int, groups: Array | None
+) -> list[Row]:
     """Of each order and of all, over bins of 9 by 18 degrees: in finer ones, noise would drown the
-    difference."""
+    difference. `groups` (group, order, bin) are lobes of groups of surfaces."""
     solid_angle = lobe_axes()[2][:, None]
     orders = {name: [k] for k, name in enumerate(ours.orders)}
     rows = []
     for name, part in (orders | {"all": list(range(len(orders)))}).items():
-        sums = [
-            merge_bins(x.density[i, part, side].sum(axis=0) * solid_angle) for x in (ours, theirs)
-        ]
-        squares = [
-            merge_bins((x.stderr[i, part, side] ** 2).sum(axis=0) * solid_angle**2)
+        simulated, modelled = (
+            Histogram(
+                merge_bins(x.density[i, part, side].sum(axis=0) * solid_angle).ravel(),
+                np.sqrt(
+                    merge_bins((x.stderr[i, part, side] ** 2).sum(axis=0) * solid_angle**2)
+                ).ravel(),
+            )
             for x in (ours, theirs)
+        )
+        place = (ours.theta[i], ours.phi, name, SIDES[side])
+        totals = [
+            (float(h.value.sum()), float(np.sqrt((h.stderr**2).sum())))
+            for h in (simulated, modelled)
         ]
-        errors = [np.sqrt(square) for square in squares]
-        place = (theta, ours.phi, name, SIDES[side])
-        rows.append(_distance("total_variation", place, sums, errors))
+        mine = None if groups is None else groups[:, part].sum(axis=1)
+        d = total_variation(modelled, simulated, mine)
+        rows.append(_distance("total_variation", place, totals, d))
     return rows
 
 
@@ -150,53 +167,24 @@ def _free_paths(ours: Rows, theirs: Rows, phi: float) -> list[Row]:
                 "with the same version."
             )
         place = (key[0], phi, f"from {key[1]:g}", "free path")
-        rows.append(_distance("free_path_ks", place, [mine[2], other[2]], [mine[3], other[3]]))
-        escape = (float(x[k][-1]) for x in (mine, other) for k in (2, 3))
-        rows.append(_signed("free_path_escape", place, *escape))
+        simulated, modelled = Histogram(*mine[2:]), Histogram(*other[2:])
+        # The last bin holds those that escaped.
+        escaped = [(float(h.value[-1]), float(h.stderr[-1])) for h in (simulated, modelled)]
+        d = kolmogorov_smirnov(modelled, simulated)
+        rows.append(_distance("free_path_ks", place, escaped, d))
+        rows.append(_signed("free_path_escape", place, *escaped[0], *escaped[1]))
     return rows
-
-
-NOISE_DRAWS = 200
-"""Enough that the mean and spread of distances by noise are known to some percent."""
 
 
 def _distance(
     quantity: str,
     place: tuple[float, float, str, str],
-    histograms: list[Array],
-    errors: list[Array],
+    totals: list[tuple[float, float]],
+    d: Distance,
 ) -> Row:
-    """Total variation or Kolmogorov-Smirnov distance of two histograms, beside their sums, or the
-    shares that escaped, which come last.
-
-    Noise alone makes any two histograms differ. Differences of noise alone are drawn many times
-    from the standard errors, taken as independent between bins, for the mean and spread of their
-    distances.
-    """
-    rng = stream(0, "noise of distances")
-    stderr = np.hypot(*errors)
-    noise = stderr * rng.standard_normal((NOISE_DRAWS, *stderr.shape))
-    measure = _total_variation if quantity == "total_variation" else _kolmogorov_smirnov
-    found = float(measure((histograms[1] - histograms[0])[None])[0])
-    by_noise = measure(noise)
-    mean, spread = float(by_noise.mean()), float(by_noise.std(ddof=1))
-    z = (found - mean) / spread if spread > 0 else 0.0
-    if quantity == "total_variation":
-        sums = [
-            (float(h.sum()), float(np.sqrt((e**2).sum())))
-            for h, e in zip(histograms, errors, strict=True)
-        ]
-    else:
-        sums = [(float(h[-1]), float(e[-1])) for h, e in zip(histograms, errors, strict=True)]
-    return Row(quantity, *place, *sums[0], *sums[1], found, z, mean, max(found - mean, 0.0))
-
-
-def _total_variation(difference: Array) -> Array:
-    return np.abs(difference).reshape(len(difference), -1).sum(axis=1) / 2
-
-
-def _kolmogorov_smirnov(difference: Array) -> Array:
-    return np.abs(np.cumsum(difference, axis=1)).max(axis=1)
+    """A distance, beside a total of either histogram with its standard error."""
+    z = d.own / d.own_stderr if d.own_stderr > 0 else 0.0
+    return Row(quantity, *place, *totals[0], *totals[1], d.found, z, d.noise, d.own, d.own_stderr)
 
 
 def in_one_sentence(rows: list[Row]) -> str:
@@ -207,14 +195,14 @@ def in_one_sentence(rows: list[Row]) -> str:
     energy, lobe = max(energies, key=_own), max(lobes, key=_own)
     text = (
         f"Beyond noise, {energies[0].method} misses the energy of a single order by at most "
-        f"{abs(energy.own):.3g} (order {energy.order}, {energy.side}, theta {energy.theta:.3g}: "
+        f"{_size(energy)} (order {energy.order}, {energy.side}, theta {energy.theta:.3g}: "
         f"{energy.modelled:.4f} modelled, {energy.simulated:.4f} simulated), "
-        f"sends at most {lobe.own:.3g} of the light elsewhere (theta {lobe.theta:.3g})"
+        f"sends at most {_size(lobe)} of the light elsewhere (theta {lobe.theta:.3g})"
     )
     if escapes:
         escape = max(escapes, key=_own)
         text += (
-            f", and misses the share of free paths that escape by up to {abs(escape.own):.3g} "
+            f", and misses the share of free paths that escape by up to {_size(escape)} "
             f"({escape.order}, theta_r {escape.theta:.3g})"
         )
     return text + "."
@@ -222,3 +210,7 @@ def in_one_sentence(rows: list[Row]) -> str:
 
 def _own(row: Row) -> float:
     return abs(row.own)
+
+
+def _size(row: Row) -> str:
+    return measured(abs(row.own), row.own_stderr)

@@ -86,7 +86,7 @@ def _energies(trial: Trial) -> list[Array]:
         surface = make_surface(resolution, rng)
         if trial.parameter == "lift":
             surface.lift *= value or 0
-        tracer = Tracer(surface, *trial.scene.alpha, trial.scene.facets())
+        tracer = Tracer(surface, *trial.scene.alpha, trial.scene.facets(), trial.scene.phi)
         energies = []
         for i, theta in enumerate(trial.scene.theta):
             rng = stream(trial.seed, "convergence rays", *field, i)

@@ -66,6 +66,8 @@ class Outcome:
     notes: dict[str, float] = field(default_factory=dict)
     """Figures of the run worth keeping beside the results."""
     warnings: list[str] = field(default_factory=list)
+    lobe_groups: Array | None = None
+    """Lobes of groups of surfaces, energies (theta, group, order, side, merged bin)."""
 
     @property
     def paths(self) -> int:

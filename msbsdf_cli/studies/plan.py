@@ -11,13 +11,15 @@ import math
 from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.walk import random_walk
+from msbsdf_cli.studies.discretisation import PERIOD
 from msbsdf_cli.studies.simulating import Resolution
 from surfaces.materials import Conductor, Material
 
 PILOT_WALKS = 20_000
-LEAST_CELLS, LEAST_EXTENT, LEAST_REALISATIONS = 4, 8, 16
-"""The least mesh, period and sample of surfaces: with 16 realisations a standard error is known to
-within 18 %."""
+LEAST_CELLS, LEAST_EXTENT, LEAST_REALISATIONS = 16, 12, 16
+"""The least mesh, period and sample of surfaces. Light of many bounces is carried along in smooth
+valleys, which coarse facets break: its energy is right to 30 % on 8 cells, to 7 % on 16. With 16
+realisations a standard error is known to within 18 %."""
 
 
 def plan(
@@ -36,8 +38,7 @@ def plan(
         per_cell2 = 0.25 * share + 0.03 * any_multiple
         cells = max(LEAST_CELLS, 2 * math.ceil(math.sqrt(2 * per_cell2 / accuracy) / 2))
     if extent is None:
-        per_extent2 = 0.34 * any_multiple
-        extent = max(LEAST_EXTENT, math.ceil(math.sqrt(2 * per_extent2 / accuracy)))
+        extent = max(LEAST_EXTENT, math.ceil(math.sqrt(2 * PERIOD * any_multiple / accuracy)))
     if realisations is None:
         # Which facet lets light through is decided at grazing by few high places.
         spread = 0.8 if scene.facets().transmits else 0.4

@@ -1,15 +1,16 @@
 """Tracing light on realisations of an explicit surface for a scene."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from msbsdf_cli.parallel import Progress, in_order
 from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene, direction
+from msbsdf_cli.studies.discretisation import COARSER, pairs, squared_errors
 from msbsdf_cli.studies.outcome import FreePaths, Outcome
-from msbsdf_cli.tally import Tally
+from msbsdf_cli.tally import MERGED, PHI_BINS, THETA_BINS, Tally, merge_bins
 from surfaces.facet import Array
 from surfaces.free_path import next_heights
 from surfaces.heightfield import all_waves, some_waves, synthesise
@@ -18,6 +19,10 @@ from surfaces.tracing import Tracer
 
 FREE_PATH_SHARE = 1 / 16
 """Free paths of a row for each ray of an incident angle."""
+
+
+MOST_GROUPS = 16
+"""Of surfaces: their scatter is known to a fifth then."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,8 @@ class SurfaceJob:
     free_path_edges: tuple[float, ...]
     seed: int
     max_order: int
+    paired: bool = False
+    """Whether to trace the same rays on a coarser mesh of the same field as well."""
 
 
 @dataclass
@@ -54,6 +61,8 @@ class SurfaceResult:
     """One unit for each incident angle, free paths, and what it took."""
 
     tallies: list[Tally]
+    coarser: list[Tally]
+    """What the coarser mesh has more, for each incident angle; none where it was not traced."""
     free_paths: Array
     free_path_weights: Array
     free_path_rays: int
@@ -110,24 +119,58 @@ def simulate(
             tuple(free_paths.edges),
             seed,
             max_order,
+            paired=number < pairs(resolution.realisations),
         )
         for number in range(resolution.realisations)
     )
-    tallies = [Tally(scene.orders) for _ in scene.theta]
+    tallies, coarser = ([Tally(scene.orders) for _ in scene.theta] for _ in range(2))
     outcome = Outcome(tallies, free_paths)
+    groups = LobeGroups(scene, resolution.realisations)
     notes = dict.fromkeys(("embree_s", "surface_s", "trace_s", "rays", "free_paths_lost"), 0.0)
     total = rays * resolution.realisations * len(scene.theta)
     with Progress("simulate", total, "rays", quiet) as progress:
         for result in in_order(trace_surface, jobs, threads):
             for tally, unit in zip(tallies, result.tallies, strict=True):
                 tally.merge(unit)
+            groups.add(result.tallies)
+            for more, unit in zip(coarser, result.coarser, strict=False):
+                more.merge(unit)
             free_paths.add_unit(result.free_paths, result.free_path_weights, result.free_path_rays)
             for name in notes:
                 notes[name] += getattr(result, name)
             progress.advance(rays * len(scene.theta))
+    for tally, more in zip(tallies, coarser, strict=True):
+        tally.systematic = squared_errors(tally, more, resolution.extent)
+    outcome.lobe_groups = groups.lobes()
     outcome.notes = notes
     outcome.wall_s = time.monotonic() - started
     return outcome
+
+
+class LobeGroups:
+    """Lobes of independent groups of surfaces, from which the scatter of anything that is made of
+    lobes can be told: bins of one surface are not independent."""
+
+    def __init__(self, scene: Scene, realisations: int) -> None:
+        self.groups = min(MOST_GROUPS, realisations)
+        bins = THETA_BINS * PHI_BINS // MERGED**2
+        shape = len(scene.theta), self.groups, scene.orders + 1, 2, bins
+        self.sums = np.zeros(shape)
+        self.units = 0
+
+    def add(self, units: list[Tally]) -> None:
+        """The next surface's light, a unit for each incident angle."""
+        group = self.units % self.groups
+        for sums, unit in zip(self.sums[:, group], units, strict=True):
+            lobe = unit.views(unit.sums[0])["lobe"]
+            for place in np.ndindex(lobe.shape[:2]):
+                sums[place] += merge_bins(lobe[place].reshape(THETA_BINS, PHI_BINS)).ravel()
+        self.units += 1
+
+    def lobes(self) -> Array:
+        """Means of the groups, which share the surfaces evenly or nearly so."""
+        each = np.bincount(np.arange(self.units) % self.groups, minlength=self.groups)
+        return self.sums / each[:, None, None, None]
 
 
 def trace_surface(job: SurfaceJob) -> SurfaceResult:
@@ -138,21 +181,37 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     surface.query(np.zeros((3, 1)), np.ones((3, 1)))  # Embree builds in its first call.
     ready = time.perf_counter()
     surface.rays, surface.embree_s = 0, 0.0
-    tracer = Tracer(surface, *scene.alpha, scene.facets())
-    units = []
-    for i, theta in enumerate(scene.theta):
-        rng = stream(job.seed, "rays", job.number, i)
-        tally = Tally(scene.orders, independent=False)
-        for light in tracer.trace(scene.wi(theta), job.rays, rng, job.max_order):
-            tally.add(light)
-        units.append(tally.as_unit())
+    tracer = Tracer(surface, *scene.alpha, scene.facets(), scene.phi)
+    units = _units(job, tracer)
     traced = time.perf_counter()
     rays, embree_s = surface.rays, surface.embree_s
     n = max(round(job.rays * FREE_PATH_SHARE), 1)
     shares, weights, lost = _free_paths(job, tracer, n)
+    coarser = _coarser(job, units) if job.paired else []
     return SurfaceResult(
-        units, shares, weights, n, rays, embree_s, ready - started, traced - ready, lost
+        units, coarser, shares, weights, n, rays, embree_s, ready - started, traced - ready, lost
     )
+
+
+def _units(job: SurfaceJob, tracer: Tracer) -> list[Tally]:
+    """Light of all incident angles on one surface, as one unit for each."""
+    units = []
+    for i, theta in enumerate(job.scene.theta):
+        rng = stream(job.seed, "rays", job.number, i)
+        tally = Tally(job.scene.orders, independent=False)
+        for light in tracer.trace(job.scene.wi(theta), job.rays, rng, job.max_order):
+            tally.add(light)
+        units.append(tally.as_unit())
+    return units
+
+
+def _coarser(job: SurfaceJob, units: list[Tally]) -> list[Tally]:
+    """What the same rays on a coarser mesh of the same field give more than `units`."""
+    scene, resolution = job.scene, job.resolution
+    coarser = replace(resolution, cells=resolution.cells // COARSER)
+    surface = realisation(coarser, job.number, job.seed)
+    tracer = Tracer(surface, *scene.alpha, scene.facets(), scene.phi)
+    return [c.less(unit) for c, unit in zip(_units(job, tracer), units, strict=True)]
 
 
 def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, int]:
@@ -164,7 +223,7 @@ def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, 
     for i, theta in enumerate(job.free_path_theta):
         d = direction(theta, job.scene.phi)
         for j, start in enumerate(job.free_path_starts):
-            paths = next_heights(tracer.surface, tracer.scale, d, start, n, rng)
+            paths = next_heights(tracer.surface, tracer.stretch, d, start, n, rng)
             shares[i, j, :-1] = np.histogram(paths.heights, edges)[0]
             shares[i, j, -1] = paths.escaped
             shares[i, j] /= max(paths.heights.size + paths.escaped, 1)

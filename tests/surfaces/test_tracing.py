@@ -19,11 +19,10 @@ def incident(theta, phi=0.0):
     return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
 
 
-def trace(surface, alpha, material, wi, n, max_order=1000):
+def trace(surface, alpha, material, wi, n, seed=1):
     tally = Tally(4, independent=False)
-    for light in Tracer(surface, *alpha, material).trace(
-        wi, n, np.random.default_rng(1), max_order
-    ):
+    tracer = Tracer(surface, *alpha, material, np.arctan2(wi[1], wi[0]))
+    for light in tracer.trace(wi, n, np.random.default_rng(seed), 1000):
         tally.add(light)
     return tally.as_unit()
 
@@ -109,7 +108,7 @@ def test_masking_on_surfaces(theta):
     seen = []
     for seed in range(24):
         surface = make(seed, extent=8)
-        scale = surface.stretch(1.0, 1.0)
+        stretch = surface.stretch(1.0, 1.0, 0.0)
         rng = np.random.default_rng(seed)
         n = 40_000
         corners, planes = surface.period_triangles
@@ -121,23 +120,21 @@ def test_masking_on_surfaces(theta):
         a, b, c = corners[..., chosen]
         point = a + share[0] * (b - a) + share[1] * (c - a)
         point[2] += surface.lift
-        m = np.vstack([-planes[1:, chosen] * scale[:2], np.ones(n)])
+        m = stretch.normals(planes[1:, chosen])
         cos = w @ m
         facing = cos > 0
-        d = np.broadcast_to(w[:, None] * scale, point.shape)[:, facing]
+        d = np.broadcast_to(stretch.to_grid(w[:, None]), point.shape)[:, facing]
         visible = next_triangle(surface, point[:, facing].copy(), d, None) == ESCAPED
         seen.append((cos[facing] * visible).sum() / cos[facing].sum())
     expected = 1 / (1 + Lambda(slopes, w[:, None])[0])
     stderr = np.std(seen, ddof=1) / np.sqrt(len(seen))
-    # Seen area x cosine is cos(theta) on every surface; only its share of the whole scatters, and
-    # by the finite period (8 correlation lengths) the whole does too: below 1 %.
-    assert abs(np.mean(seen) - expected) < 4 * stderr + 0.01 * expected
+    assert abs(np.mean(seen) - expected) < 4 * stderr
 
 
 def test_level_points_lie_on_the_surface_and_face_the_direction():
     surface = make(extent=8)
-    scale = surface.stretch(1.0, 1.0)
-    d = incident(1.0)[:, None] * scale
+    stretch = surface.stretch(1.0, 1.0, 0.0)
+    d = stretch.to_grid(incident(1.0)[:, None])
     points, weight = level_points(surface, -0.5, d, 2000, np.random.default_rng(0))
     np.testing.assert_allclose(points[2], -0.5 + surface.lift, atol=1e-12)
     down = np.tile([[0.0], [0.0], [-1.0]], 2000)
@@ -168,15 +165,36 @@ def test_level_points_are_uniform_over_the_mean_plane():
 
 def test_free_paths_from_outside_match_first_hits():
     surface = make(extent=8)
-    scale = surface.stretch(1.0, 1.0)
+    stretch = surface.stretch(1.0, 1.0, 0.0)
     rng = np.random.default_rng(2)
-    paths = next_heights(surface, scale, -incident(0.0), np.inf, 20_000, rng)
+    paths = next_heights(surface, stretch, -incident(0.0), np.inf, 20_000, rng)
     # Straight down, the next facet's height is the height itself.
     mean, stderr = surface.heights.mean(), surface.heights.std() / np.sqrt(20_000)
     assert paths.escaped == paths.lost == 0
     assert abs(paths.heights.mean() - mean) < 4 * stderr
-    up = next_heights(surface, scale, incident(0.3), np.inf, 1000, rng)
+    up = next_heights(surface, stretch, incident(0.3), np.inf, 1000, rng)
     assert up.escaped == 1000
+
+
+def first_order(extent, count, seed, alpha=0.5):
+    """Energy of order 1 at grazing incidence, over independent fields, and its standard error."""
+    surfaces = (make(seed + number, extent, cells=4) for number in range(count))
+    energies = [
+        trace(s, (alpha, alpha), Conductor(), incident(1.5, 0.4), 8000, seed + i)
+        .estimate("energy")
+        .value[0, 0]
+        for i, s in enumerate(surfaces)
+    ]
+    return np.mean(energies), np.std(energies, ddof=1) / np.sqrt(count)
+
+
+def test_light_crosses_a_short_period_without_meeting_the_same_line_again():
+    """Grazing light crosses a period of 6 correlation lengths several times. Along an axis of the
+    grid it would meet the same heights again, and lose a third of its second bounces."""
+    (short, short_stderr), (long, long_stderr) = first_order(6, 192, 0), first_order(24, 24, 1000)
+    noise = np.hypot(short_stderr, long_stderr)
+    assert noise < 0.0014, "the axis would be .009 off"
+    assert abs(short - long) < 4 * noise
 
 
 def test_morton_curve_covers_the_square_evenly():
@@ -201,3 +219,16 @@ def test_surfaces_never_import_the_models():
         "sys.exit(any(m.startswith('msbsdf_cli') for m in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_ray_starts_again_so_near_its_facet_that_it_makes_no_difference():
+    """Ten times the lift changes nothing that can be seen; were it a thousand times what single
+    precision asks for, light of many bounces would leave its valleys early."""
+    energies = []
+    for share in (1.0, 10.0):
+        surface = make(extent=16)
+        surface.lift *= share
+        tally = trace(surface, (1.0, 1.0), Conductor(), incident(1.0, 0.3), 400_000)
+        energies.append(tally.estimate("energy").value[:, 0])
+    # Fewer than 1 ray in 100 goes elsewhere, as often from one order to the next as back.
+    assert np.abs(energies[0] - energies[1]).max() < 4 * np.sqrt(0.01 / 400_000)

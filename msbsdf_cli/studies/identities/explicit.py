@@ -17,6 +17,7 @@ from msbsdf_cli.studies.identities.visible_normals import MOMENTS, moments, quad
 from msbsdf_cli.studies.simulating import Resolution, make_surface
 from surfaces.facet import Array, dot
 from surfaces.periodic import ESCAPED, meet, next_triangle
+from surfaces.stretch import Stretch
 from surfaces.surface import Surface
 from surfaces.tracing import morton
 
@@ -49,14 +50,14 @@ def _one_surface(
     c: Configuration, surface: Surface, n: int, rng: np.random.Generator
 ) -> list[float]:
     """Shares of points seen from wi, and from wi and wo, and moments of the visible normals."""
-    scale = surface.stretch(*c.alpha)
-    towards_i, towards_o = c.i * scale, c.o * scale
+    stretch = surface.stretch(*c.alpha, c.wi[1])
+    towards_i, towards_o = stretch.to_grid(c.i), stretch.to_grid(c.o)
     points, planes = _points(surface, n, rng)
     facing = [planes[1] * w[0] + planes[2] * w[1] < w[2] for w in (towards_i, towards_o)]
     seen_i = _escapes(surface, points, towards_i)
     seen_o = _escapes(surface, points, towards_o)
     both = facing[0] & facing[1]
-    m = _visible_normals(surface, scale, -towards_i, n, rng)
+    m = _visible_normals(surface, stretch, -towards_i, n, rng)
     return [
         float(seen_i[facing[0]].mean()),
         float((seen_i & seen_o)[both].mean()),
@@ -85,7 +86,7 @@ def _escapes(surface: Surface, points: Array, travel: Array) -> Array:
 
 
 def _visible_normals(
-    surface: Surface, scale: Array, travel: Array, n: int, rng: np.random.Generator
+    surface: Surface, stretch: Stretch, travel: Array, n: int, rng: np.random.Generator
 ) -> Array:
     """Unit normals (3, k) of the facets that rays along `travel` meet first."""
     o = np.empty((3, n))
@@ -95,7 +96,7 @@ def _visible_normals(
     triangle = next_triangle(surface, o, along, None)
     hit = triangle >= 0
     _, facing, slopes = meet(surface, o[:, hit], along[:, hit], triangle[hit])
-    m = np.concatenate([-slopes * scale[:2], np.ones((1, slopes.shape[1]))])[:, facing]
+    m = stretch.normals(slopes[:, facing])
     return m / np.sqrt(dot(m, m))
 
 
