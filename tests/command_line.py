@@ -4,13 +4,27 @@ import csv
 import subprocess
 import sys
 
-RUN = "from msbsdf_cli.cli import main; main()"
+from click.testing import CliRunner
+
+from msbsdf_cli.cli import group
+
+RUN = "import warnings; warnings.simplefilter('error')\nfrom msbsdf_cli.cli import main; main()"
+"""Warnings of NumPy are errors: none is for the user."""
 
 
 def msbsdf(*words, before="", cwd=None):
     """Run a command, and a program before it; its status, standard output and standard error."""
-    command = [sys.executable, "-c", before + RUN, *map(str, words)]
+    command = [sys.executable, "-c", f"{before}\n{RUN}", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd)
+
+
+def refused(*words):
+    """What a command says on standard error before it ends with status 2, in this process: nothing
+    has been started yet, and no traceback is on the way."""
+    result = CliRunner().invoke(group, [str(word) for word in words], catch_exceptions=False)
+    assert result.exit_code == 2, result.output
+    assert result.stdout == ""
+    return result.stderr
 
 
 def table(path):

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from command_line import msbsdf, table
+from command_line import msbsdf, refused, table
 
 QUICK = ["--theta", "0.5", "--samples", "64", "--replicates", "4", "--directions", "16"]
 SURFACES = ["--rays", "2e3", "--cells", "4", "--extent", "8", "--realisations", "8"]
@@ -43,9 +43,7 @@ def test_a_report_holds_what_the_contract_says(tmp_path):
     assert {"reach.csv", "pairs.csv", "run.json"} <= {p.name for p in out.iterdir()}
     for name in ("tradeoff.png", "scaling.png"):
         assert (out / name).stat().st_size > 10_000
-    refused = tradeoff(*QUICK, "--out", out)
-    assert refused.returncode == 2
-    assert "--force" in refused.stderr
+    assert "--force" in refused("tradeoff", *QUICK, "--out", out)
 
 
 def test_dielectrics_and_ggx_with_quasirandom_points_and_no_surfaces(tmp_path):
@@ -61,10 +59,7 @@ def test_dielectrics_and_ggx_with_quasirandom_points_and_no_surfaces(tmp_path):
     [["--replicates", "1"], ["--directions", "3"], ["--rays", "0"], ["--method", "guess"]],
 )
 def test_bad_input_is_refused_in_a_sentence(words, tmp_path):
-    result = tradeoff(*words, "--out", tmp_path / "r")
-    assert result.returncode == 2
-    assert words[0] in result.stderr
-    assert "Traceback" not in result.stderr
+    assert words[0] in refused("tradeoff", *words, "--out", tmp_path / "r")
     assert not (tmp_path / "r").exists()
 
 

@@ -111,8 +111,10 @@ def _share_of_tolerance(row: Any) -> float:
 def draw_reciprocity(rows: list[Any], path: Path) -> None:
     """Histograms of f(wi, wo) - f(wo, wi) over pairs of directions, wi the steeper one."""
     shown = [r for r in rows if r.finding.detail]
-    figure, axes = panels(1, [2.4] * max(len(shown), 1), 1.9, (0.45, 0.6))
-    for axis, row in zip(axes[0], shown, strict=False):
+    if not shown:
+        return
+    figure, axes = panels(1, [2.4] * len(shown), 1.9, (0.45, 0.6))
+    for axis, row in zip(axes[0], shown, strict=True):
         values, c = np.array(row.finding.detail), row.finding.configuration
         reach = np.quantile(np.abs(values), 0.98)
         axis.hist(np.clip(values, -reach, reach), 41, color=COLOURS[0], alpha=0.8)

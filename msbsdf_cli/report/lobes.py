@@ -1,5 +1,6 @@
 """Pictures of lobes, from lobe.csv and energy.csv: the plane of incidence and hemisphere maps."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -209,7 +210,11 @@ def _plane(lobes: Lobes, row: int, orders: slice, side: int) -> tuple[Array, Arr
     values = lobes.density[row, orders, side].sum(axis=0)
     errors = np.sqrt((lobes.stderr[row, orders, side] ** 2).sum(axis=0))
     halves = [(values * window).sum(axis=1) for window in (backward, forward)]
-    squares = [((errors * window) ** 2).sum(axis=1) for window in (backward, forward)]
+    # Errors of bins outside may be infinite.
+    squares = [
+        (np.where(window > 0, errors, 0) ** 2 * window**2).sum(axis=1)
+        for window in (backward, forward)
+    ]
     return (
         np.degrees(np.concatenate([-polar[::-1], polar])),
         np.concatenate([halves[0][::-1], halves[1]]),
@@ -222,7 +227,7 @@ def _window(polar: Array, azimuth: Array, phi: float) -> Array:
     where bins are slivers, as wide as a bin is high."""
     half_bin = np.pi / 4 / THETA_BINS
     reach = np.maximum(np.pi / PHI_BINS, half_bin / np.sin(polar))
-    apart = np.abs(np.angle(np.exp(1j * (azimuth - phi))))
+    apart = np.abs(np.angle(np.exp(1j * (azimuth - math.remainder(phi, 2 * math.pi)))))
     near = apart[None] <= reach[:, None] * (1 + 1e-9)
     return near / near.sum(axis=1, keepdims=True)
 

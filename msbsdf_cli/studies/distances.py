@@ -57,6 +57,8 @@ def total_variation(
         modelled.value - simulated.value,
         np.hypot(modelled.stderr, simulated.stderr),
     )
+    if not np.isfinite(stderr).all():
+        return _unknown(_half_sum(difference[None]))
     bias, scatter = leftover()
     model, surfaces = (scatter * np.sqrt((h.stderr**2).sum()) / 2 for h in (modelled, simulated))
     if groups is not None:
@@ -83,10 +85,20 @@ def kolmogorov_smirnov(modelled: Histogram, simulated: Histogram) -> Distance:
 
     It is a single sum, the one that is largest, and its noise at most that of the largest ones.
     """
-    found = float(_largest_sum((modelled.value - simulated.value)[None])[0])
-    noise, spread = _by_noise(_largest_sum, np.hypot(modelled.stderr, simulated.stderr))
+    found = _largest_sum((modelled.value - simulated.value)[None])
+    stderr = np.hypot(modelled.stderr, simulated.stderr)
+    if not np.isfinite(stderr).all():
+        return _unknown(found)
+    noise, spread = _by_noise(_largest_sum, stderr)
     square = noise**2 + spread**2
-    return Distance(found, noise, float(np.sqrt(max(found**2 - square, 0))), square**0.5)
+    return Distance(
+        float(found[0]), noise, float(np.sqrt(max(found[0] ** 2 - square, 0))), square**0.5
+    )
+
+
+def _unknown(found: Array) -> Distance:
+    """A distance (1,) of histograms whose noise nobody knows, as of a single sample."""
+    return Distance(float(found[0]), np.inf, float(found[0]), np.inf)
 
 
 def _half_sum(difference: Array) -> Array:
