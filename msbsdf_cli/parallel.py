@@ -1,4 +1,4 @@
-"""Independent jobs on all cores, their results in order, with progress.
+"""Independent jobs on all cores, or on any executor, their results in order, with progress.
 
 Processes, not threads: an array operation on a block that fits the cache takes microseconds, and
 threads would spend as long again handing the interpreter to each other.
@@ -8,9 +8,12 @@ import multiprocessing
 import signal
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from multiprocessing.connection import Connection, wait
-from typing import Any, TypeVar, cast
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import Any, TypeVar
 
 import click
 
@@ -20,93 +23,72 @@ Result = TypeVar("Result")
 AHEAD = 4
 """Jobs of each process that may be done before their turn comes; it bounds what waits."""
 
+OTHER_WORKERS = 64
+"""Workers that an executor from elsewhere is taken to have at most, as it need not say how many."""
 
-def in_order(work: Callable[[Job], Result], jobs: Iterable[Job], threads: int) -> Iterator[Result]:
+Workers = int | Executor
+"""Processes to start, or an executor: anything with `submit`."""
+
+
+def in_order(
+    work: Callable[[Job], Result], jobs: Iterable[Job], workers: Workers
+) -> Iterator[Result]:
     """Yield work(job) for every job, in the order of the jobs, so that a sum over the results does
-    not depend on `threads`. No more than a few results wait at any time.
+    not depend on `workers`. No more than a few results wait at any time.
 
-    Raises RuntimeError when a process is killed, and what `work` raises. However it ends, no
-    process is left: they are plain processes on pipes, since an executor's threads can hang in
-    the middle of an interrupt.
+    Raises RuntimeError when a process is killed, and what `work` raises. However it ends, none of
+    the processes that it started is left.
     """
-    if threads == 1:
+    if workers == 1:
         yield from map(work, jobs)
         return
+    if not isinstance(workers, int):
+        yield from _window(workers, work, jobs, AHEAD * OTHER_WORKERS)
+        return
+    with _processes(workers) as pool:
+        yield from _window(pool, work, jobs, AHEAD * workers)
+
+
+def _window(
+    executor: Executor, work: Callable[[Job], Result], jobs: Iterable[Job], length: int
+) -> Iterator[Result]:
+    """Results in order; at most `length` jobs are under way or done before their turn."""
+    waiting: deque[Future[Result]] = deque()
+    remaining = iter(jobs)
+    try:
+        for job in remaining:
+            waiting.append(executor.submit(work, job))
+            if len(waiting) == length:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Executor]:
+    """An executor of processes of our own, which are killed if anything interrupts the work."""
     # A fork starts at once; elsewhere than on Linux system libraries do not survive it.
     context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
-    crew: dict[Connection, Any] = {}
+    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_ignore_interrupts)
     try:
-        for _ in range(threads):
-            ours, theirs = context.Pipe()
-            # A copy of a parent's end would keep a process waiting for a parent that is gone.
-            crew[ours] = None
-            args = work, theirs, tuple(crew)
-            crew[ours] = context.Process(target=_serve, args=args, daemon=True)
-            crew[ours].start()
-            theirs.close()
-        yield from _results(crew, iter(enumerate(jobs)))
+        yield pool
+    except BrokenProcessPool:
+        raise RuntimeError(
+            "a process was killed, most likely for want of memory; "
+            "fewer --threads, --cells or a smaller --extent need less."
+        ) from None
     finally:
-        for pipe, process in crew.items():
-            pipe.close()
-            if process is not None and process.pid is not None:
-                process.kill()
-                process.join()
+        for process in list((pool._processes or {}).values()):
+            process.kill()
+        pool.shutdown(cancel_futures=True)
 
 
-def _results(crew: dict[Connection, Any], jobs: Iterator[tuple[int, Any]]) -> Iterator[Any]:
-    """Hand out jobs to whoever is free, and yield the results in order."""
-    turn, given = 0, 0
-    done: dict[int, Any] = {}
-    idle, busy = list(crew), set[Connection]()
-    exhausted = False
-    while True:
-        while idle and not exhausted and given < turn + AHEAD * len(crew):
-            try:
-                job = next(jobs)
-            except StopIteration:
-                exhausted = True
-                break
-            pipe = idle.pop()
-            pipe.send(job)
-            busy.add(pipe)
-            given += 1
-        while turn in done:
-            yield done.pop(turn)
-            turn += 1
-        if not busy:
-            if exhausted:
-                return
-            continue
-        for ready in wait(busy):
-            pipe = cast(Connection, ready)
-            try:
-                number, result = pipe.recv()
-            except EOFError:
-                raise RuntimeError(
-                    "a process was killed, most likely for want of memory; "
-                    "fewer --threads, --cells or a smaller --extent need less."
-                ) from None
-            if isinstance(result, BaseException):
-                raise result
-            done[number] = result
-            busy.discard(pipe)
-            idle.append(pipe)
-
-
-def _serve(work: Callable[[Any], Any], pipe: Connection, others: tuple[Connection, ...]) -> None:
-    """Do jobs until killed. Ctrl-C is for the parent, which then ends its processes."""
-    for other in others:
-        other.close()
+def _ignore_interrupts() -> None:
+    """Ctrl-C is for the parent, which then ends its processes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    while True:
-        try:
-            number, job = pipe.recv()
-        except EOFError:
-            return
-        try:
-            pipe.send((number, work(job)))
-        except Exception as error:
-            pipe.send((number, error))
 
 
 class Progress:
