@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.smith.slopes import NAMES as SLOPES
+
 Decorator = Callable[[Callable[..., None]], Callable[..., None]]
 
 
@@ -171,8 +173,12 @@ _OPTIONS: dict[str, Any] = {
         default="conductor",
         help="What the facets are made of.",
     ),
-    "slopes": dict(
-        type=click.Choice(["beckmann", "ggx"]), default="beckmann", help="Slope distribution."
+    "slopes": dict(type=click.Choice(SLOPES), default="beckmann", help="Slope distribution."),
+    "gamma": dict(
+        type=Real(lambda g: g > 1.5, "a gamma: a number above 1.5"),
+        default="3",
+        metavar="G",
+        help="Slopes student-t: GGX at 2, towards Beckmann as it grows.",
     ),
     "surface-slopes": dict(
         type=click.Choice(["beckmann"]),
@@ -337,6 +343,7 @@ def use(*names: str) -> Decorator:
 MODEL = (
     "material",
     "slopes",
+    "gamma",
     "heights",
     "alpha",
     "theta",
@@ -346,7 +353,7 @@ MODEL = (
     "eta-k",
     "albedo",
 )
-MODEL_OF_SURFACES = ("material", "surface-slopes", *MODEL[3:])
+MODEL_OF_SURFACES = ("material", "surface-slopes", *MODEL[4:])
 MODEL_IN_COLOUR = (
     *(name for name in MODEL[:-2] if name != "heights"),
     "eta-k-channels",

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.smith.slopes import SLOPES, Slopes
+from msbsdf_cli.smith.slopes import Slopes, distribution
 from surfaces.facet import Array
 from surfaces.materials import GREEN, METALS, Conductor, Dielectric, Diffuse, Material
 
@@ -27,6 +27,8 @@ class Scene:
     albedo: tuple[float, ...] = (1.0,)
     """Of diffuse facets, in each channel."""
     orders: int = 4
+    shape: tuple[tuple[str, float], ...] = ()
+    """Parameters of the slope distribution beyond roughness, by name."""
 
     def facets(self) -> Material:
         """The facets' material."""
@@ -38,7 +40,7 @@ class Scene:
 
     def distribution(self) -> Slopes:
         """The distribution of slopes."""
-        return SLOPES[self.slopes](*self.alpha)
+        return distribution(self.slopes)(*self.alpha, **dict(self.shape))
 
     def wi(self, theta: float, dtype: type = np.float64) -> Array:
         """The incident direction (3,) of polar angle `theta`."""
@@ -47,7 +49,8 @@ class Scene:
     def slug(self) -> str:
         """The scene as a file name."""
         alpha = "-".join(f"{a:g}" for a in dict.fromkeys(self.alpha))
-        return f"{self.material}-{self.slopes}-{alpha}"
+        slopes = "-".join([self.slopes, *(f"{value:g}" for _, value in self.shape)])
+        return f"{self.material}-{slopes}-{alpha}"
 
 
 def direction(theta: float, phi: float) -> Array:

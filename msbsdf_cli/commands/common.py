@@ -8,6 +8,7 @@ import click
 from msbsdf_cli.report.directory import refuse_existing
 from msbsdf_cli.scene import Scene, metal_indices
 from msbsdf_cli.smith.heights import HEIGHTS
+from msbsdf_cli.smith.slopes import parameters
 from msbsdf_cli.studies.outcome import FreePaths
 
 WALKS_PER_S = 5e6
@@ -33,6 +34,7 @@ def scene_from(options: dict[str, Any]) -> Scene:
     indices = metal_indices(options["metal"], given, options.get("rgb", False))
     albedo = options["albedo"]
     return Scene(
+        shape=tuple((name, options[name]) for name in parameters(options["slopes"])),
         material=options["material"],
         alpha=options["alpha"],
         theta=options["theta"],

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.scene import direction
-from msbsdf_cli.smith.slopes import SLOPES, Slopes
+from msbsdf_cli.smith.slopes import Slopes, distribution
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
@@ -39,7 +39,7 @@ class Configuration:
 
     def distribution(self) -> Slopes:
         """The distribution of slopes."""
-        return SLOPES[self.slopes](*self.alpha)
+        return distribution(self.slopes)(*self.alpha)
 
     def facets(self) -> Material:
         """The facets: lossless, unless they are of a metal."""

@@ -1,0 +1,45 @@
+"""Slope distributions, a file for each; its name on the command line is that of the file.
+
+A new distribution is a new file with a class `Distribution`; names are known without importing it.
+"""
+
+from dataclasses import fields
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from msbsdf_cli.smith.slopes._distribution import Lambda, Slopes
+    from msbsdf_cli.smith.slopes.beckmann import Distribution as Beckmann
+    from msbsdf_cli.smith.slopes.ggx import Distribution as Ggx
+    from msbsdf_cli.smith.slopes.student_t import Distribution as StudentT
+
+__all__ = ["NAMES", "Beckmann", "Ggx", "Lambda", "Slopes", "StudentT", "distribution", "parameters"]
+
+NAMES = tuple(
+    sorted(m.name.replace("_", "-") for m in iter_modules(__path__) if not m.name.startswith("_"))
+)
+"""Names of the distributions."""
+
+
+def distribution(name: str) -> type[Any]:
+    """The class of a distribution by name. Raises ValueError for a name that is none."""
+    if name not in NAMES:
+        raise ValueError(f"{name!r} is not a slope distribution: one of {', '.join(NAMES)}.")
+    module = import_module(f"{__name__}.{name.replace('-', '_')}")
+    found: type[Slopes] = module.Distribution
+    return found
+
+
+def parameters(name: str) -> tuple[str, ...]:
+    """Names of a distribution's parameters beyond roughness."""
+    return tuple(f.name for f in fields(distribution(name)) if not f.name.startswith("alpha"))
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("Lambda", "Slopes"):
+        return getattr(import_module(f"{__name__}._distribution"), name)
+    for known in NAMES:
+        if known.replace("-", "") == name.lower():
+            return distribution(known)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
