@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.smith.slopes import SLOPES
+from msbsdf_cli.smith.slopes import distribution
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
@@ -52,7 +52,7 @@ def both_sides(energy):
 
 
 def test_single_scattering_of_ggx_at_normal_incidence_has_a_closed_form():
-    energy = Solve(SLOPES["ggx"](1.0, 1.0), Conductor(), 3).energy(direction(0))
+    energy = Solve(distribution("ggx")(1.0, 1.0), Conductor(), 3).energy(direction(0))
     # Converges exponentially: what is left is rounding.
     assert energy.reflected[0, 0] == pytest.approx(1 - np.log(2), abs=1e-11)
 
@@ -69,7 +69,7 @@ def test_single_scattering_of_ggx_at_normal_incidence_has_a_closed_form():
     ],
 )
 def test_no_energy_is_lost_over_all_orders(slopes, material, alpha):
-    solve = Solve(SLOPES[slopes](*alpha), material, 2)
+    solve = Solve(distribution(slopes)(*alpha), material, 2)
     for theta in (0, 0.7, 1.5, 1.57):
         energy = both_sides(solve.energy(direction(theta, 0.4)))
         # Nothing normalises a mirror's kernel: its sum shows the error of the quadrature, worst
@@ -82,7 +82,7 @@ def test_no_energy_is_lost_over_all_orders(slopes, material, alpha):
     [(Conductor(), "beckmann"), (METAL, "ggx"), (Diffuse(), "ggx"), (Dielectric(), "ggx")],
 )
 def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
-    surface = SLOPES[slopes](1.0, 1.0)
+    surface = distribution(slopes)(1.0, 1.0)
     solve, reference = (Solve(surface, material, 3, r) for r in (1, 1.5))
     for theta in (0.3, 1.5):
         wi = direction(theta)
@@ -109,7 +109,7 @@ def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
     ],
 )
 def test_energies_of_the_random_walk(material, slopes, alpha, theta):
-    surface, wi = SLOPES[slopes](*alpha), direction(theta, 0.7)
+    surface, wi = distribution(slopes)(*alpha), direction(theta, 0.7)
     mean, stderr = walked(surface, material, wi, 100_000, 3)
     energy = both_sides(Solve(surface, material, 3).energy(wi))[0]
     # Eight numbers each: 4.5 standard errors are passed once in 1e4 runs of all of them.
@@ -128,7 +128,7 @@ def test_energies_of_the_random_walk(material, slopes, alpha, theta):
     ],
 )
 def test_directions_of_the_random_walk(material, slopes, alpha, theta):
-    surface, wi = SLOPES[slopes](*alpha), direction(theta, 0.7)
+    surface, wi = distribution(slopes)(*alpha), direction(theta, 0.7)
     mean, stderr = walked(surface, material, wi, 100_000, 2)
     wo, area = sphere(14, 24)
     value = Solve(surface, material, 2, resolution=0.8).evaluate(wi, wo).value[0]
@@ -144,7 +144,7 @@ def test_directions_of_the_random_walk(material, slopes, alpha, theta):
 @pytest.mark.parametrize("material", [METAL, Diffuse((0.8, 1.0))], ids=lambda m: m.name)
 @pytest.mark.parametrize("alpha", [(0.5, 0.5), (0.5, 0.3)])
 def test_reciprocity(material, alpha):
-    solve = Solve(SLOPES["ggx"](*alpha), material, 3, resolution=0.7).fine
+    solve = Solve(distribution("ggx")(*alpha), material, 3, resolution=0.7).fine
     a, b = direction(0.4, 0.3), direction(1.3, 2.0)
     forth = solve.evaluate(a, b[:, None])[0] / b[2]
     back = solve.evaluate(b, a[:, None])[0] / a[2]
@@ -153,7 +153,7 @@ def test_reciprocity(material, alpha):
 
 
 def test_reciprocity_of_an_interface():
-    solve = Solve(SLOPES["beckmann"](1.0, 1.0), Dielectric(1.5), 2).fine
+    solve = Solve(distribution("beckmann")(1.0, 1.0), Dielectric(1.5), 2).fine
     a, b = direction(0.4, 0.3), direction(1.2, 2.0)
     forth = solve.evaluate(a, b[:, None])[0] / b[2]
     back = solve.evaluate(b, a[:, None])[0] / a[2]
@@ -165,7 +165,7 @@ def test_reciprocity_of_an_interface():
 
 @pytest.mark.parametrize("material", [Conductor(), Diffuse(), Dielectric()], ids=lambda m: m.name)
 def test_the_last_row_is_the_sum_of_all_later_orders(material):
-    surface, wi = SLOPES["ggx"](1.0, 1.0), direction(0.9)
+    surface, wi = distribution("ggx")(1.0, 1.0), direction(0.9)
     wo = np.stack([direction(1.0, 2.0), direction(2.5, 0.3)], axis=1)
     few, many = (Solve(surface, material, n, resolution=0.6) for n in (1, 7))
     # The same sums in another order, at any resolution.
@@ -179,8 +179,8 @@ def test_the_last_row_is_the_sum_of_all_later_orders(material):
 @pytest.mark.parametrize("material", [METAL, Diffuse()], ids=lambda m: m.name)
 def test_grid_and_fourier_modes_agree(material):
     wi, wo = direction(1.0, 0.3), np.stack([direction(0.5, 2.0), direction(1.3, -1)], axis=1)
-    modes = Solve(SLOPES["ggx"](0.7, 0.7), material, 3)
-    grid = Solve(SLOPES["ggx"](0.7, 0.7 * (1 + 1e-12)), material, 3)
+    modes = Solve(distribution("ggx")(0.7, 0.7), material, 3)
+    grid = Solve(distribution("ggx")(0.7, 0.7 * (1 + 1e-12)), material, 3)
     np.testing.assert_allclose(grid.energy(wi).reflected, modes.energy(wi).reflected, atol=2e-5)
     value, expected = (s.fine.evaluate(wi, wo)[0] for s in (grid, modes))
     # The grid's azimuths and facets are the coarser ones.
@@ -192,7 +192,7 @@ def test_grid_and_fourier_modes_agree_for_an_interface(slopes):
     wi = direction(1.0, 0.3)
     wo = np.stack([direction(0.5, 2.0), direction(1.3, -1), direction(2.5, -2.3)], axis=1)
     modes, grid = (
-        Solve(SLOPES[slopes](0.7, alpha_y), Dielectric(), 3, resolution=0.8).fine
+        Solve(distribution(slopes)(0.7, alpha_y), Dielectric(), 3, resolution=0.8).fine
         for alpha_y in (0.7, 0.7 * (1 + 1e-12))
     )
     # Energies by different nodes in every angle: the errors of both, at less than resolution 1.
@@ -207,7 +207,9 @@ def test_grid_and_fourier_modes_agree_for_an_interface(slopes):
 @pytest.mark.parametrize("ior", [1.0001, 1 / 1.0001])
 def test_an_index_near_1_lets_light_pass(ior):
     with np.errstate(all="raise", under="ignore"):
-        energy = Solve(SLOPES["beckmann"](0.5, 0.5), Dielectric(ior), 2).energy(direction(0.8))
+        energy = Solve(distribution("beckmann")(0.5, 0.5), Dielectric(ior), 2).energy(
+            direction(0.8)
+        )
     # At normal incidence 2.5e-9 is reflected, and few facets are seen edge-on from 0.8. Light
     # that then is grazing passes many, which the error estimate has to own up to.
     assert energy.reflected.sum() < 1e-5 + energy.error.sum() < 1e-2
@@ -218,7 +220,7 @@ def test_an_index_near_1_lets_light_pass(ior):
 def test_coarse_nodes_are_no_trouble_to_arithmetic(alpha):
     wi, wo = direction(0.8, 0.3), np.stack([direction(1.2), direction(2.8)], axis=1)
     with np.errstate(over="raise", invalid="raise", divide="raise"):
-        solve = Solve(SLOPES["beckmann"](*alpha), Dielectric(1.5), 2, resolution=0.3)
+        solve = Solve(distribution("beckmann")(*alpha), Dielectric(1.5), 2, resolution=0.3)
         energy, result = solve.energy(wi), solve.evaluate(wi, wo)
     assert abs(both_sides(energy).sum() - 1) < 1e-11
     assert np.all(np.isfinite(result.value))
@@ -226,7 +228,7 @@ def test_coarse_nodes_are_no_trouble_to_arithmetic(alpha):
 
 @pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
 def test_grazing_to_grazing(slopes):
-    surface = SLOPES[slopes](0.5, 0.5)
+    surface = distribution(slopes)(0.5, 0.5)
     wi = direction(1.57, np.pi)
     wo = np.stack([direction(1.57), direction(1.57, 0.5), direction(1.57, 3.1)], axis=1)
     result = Solve(surface, Conductor(), 2).evaluate(wi, wo)
@@ -238,7 +240,7 @@ def test_grazing_to_grazing(slopes):
 
 @pytest.mark.parametrize(("slopes", "phi"), [("beckmann", np.pi / 2), ("ggx", 0)])
 def test_error_of_a_coarse_grid_of_directions(slopes, phi):
-    surface = SLOPES[slopes](1, 0.4)
+    surface = distribution(slopes)(1, 0.4)
     wi = direction(1.5, phi)
     wo = direction([0.2, 1.1, 1.4, 1.5, 1.4], [0, 1, phi, phi + 3, phi + np.pi])
     found = Solve(surface, Conductor(), 2).evaluate(wi, wo)
@@ -250,7 +252,7 @@ def test_error_of_a_coarse_grid_of_directions(slopes, phi):
 
 
 def test_a_wanted_accuracy_is_refined_to():
-    arguments, wi = (SLOPES["ggx"](1, 1), Dielectric(), 2), direction(1.0)
+    arguments, wi = (distribution("ggx")(1, 1), Dielectric(), 2), direction(1.0)
     wanted = Solve(*arguments).energy(wi).error.max() / 2
     found = Solve.accurate(*arguments, wi[:, None], wanted).energy(wi)
     assert found.error.max() <= wanted
@@ -259,11 +261,11 @@ def test_a_wanted_accuracy_is_refined_to():
 
 def test_reflection_only_leaves_nothing_below():
     wi, wo = direction(0.5), direction(2.0)[:, None]
-    assert np.all(Solve(SLOPES["ggx"](0.5, 0.5), Conductor(), 2).evaluate(wi, wo).value == 0)
+    assert np.all(Solve(distribution("ggx")(0.5, 0.5), Conductor(), 2).evaluate(wi, wo).value == 0)
 
 
 def test_precision_of_the_result_is_that_of_the_direction():
     wi, wo = direction(0.5).astype(np.float32), direction(1.0)[:, None].astype(np.float32)
-    result = Solve(SLOPES["beckmann"](0.5, 0.5), Conductor(), 2).evaluate(wi, wo)
+    result = Solve(distribution("beckmann")(0.5, 0.5), Conductor(), 2).evaluate(wi, wo)
     assert result.value.dtype == result.stderr.dtype == np.float32
     assert result.unresolved < 1e-15

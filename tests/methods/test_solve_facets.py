@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from msbsdf_cli.methods.solver.facets import Facets
-from msbsdf_cli.smith.slopes import SLOPES
+from msbsdf_cli.smith.slopes import distribution
 from surfaces.facet import fresnel_dielectric
 
 
@@ -23,7 +23,7 @@ CASES = [
 
 @pytest.mark.parametrize(("slopes", "alpha", "eta", "theta"), CASES)
 def test_both_events_together_are_the_projected_area(slopes, alpha, eta, theta):
-    surface, d = SLOPES[slopes](*alpha), travelling(theta)
+    surface, d = distribution(slopes)(*alpha), travelling(theta)
     found = Facets(surface, 24, alpha[0] == alpha[1]).scatter(d, eta)
     sigma = surface.sigma(d[:, None])[0]
     # Both are integrated on nodes of their own: the error of 24 between edges.
@@ -32,7 +32,7 @@ def test_both_events_together_are_the_projected_area(slopes, alpha, eta, theta):
 
 @pytest.mark.parametrize(("slopes", "alpha", "eta", "theta"), CASES)
 def test_light_goes_where_visible_normals_send_it(slopes, alpha, eta, theta):
-    surface, d = SLOPES[slopes](*alpha), travelling(theta)
+    surface, d = distribution(slopes)(*alpha), travelling(theta)
     m = surface.visible_normals(-d[:, None], 20_000, np.random.default_rng(5))
     m = m / np.linalg.norm(m, axis=0)
     cos_i = np.clip(-(d @ m), 1e-12, 1)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from msbsdf_cli.smith.kernel import reflection_density, refraction_density, scatter_density
-from msbsdf_cli.smith.slopes import SLOPES
+from msbsdf_cli.smith.slopes import distribution
 from surfaces.facet import dot
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
@@ -36,8 +36,8 @@ def sphere(n):
 @pytest.mark.parametrize("material", [Conductor(), Diffuse((0.3, 1.0))])
 def test_reciprocity(slopes, material):
     d, w = directions(200, 1), directions(200, 2)
-    forth = scatter_density(SLOPES[slopes](0.8, 0.3), material, d, w)
-    back = scatter_density(SLOPES[slopes](0.8, 0.3), material, -w, -d)
+    forth = scatter_density(distribution(slopes)(0.8, 0.3), material, d, w)
+    back = scatter_density(distribution(slopes)(0.8, 0.3), material, -w, -d)
     # A mirror is symmetric to rounding, a diffuse facet to its quadrature.
     np.testing.assert_allclose(forth, back, atol=1e-12 if material.name == "conductor" else 1e-5)
 
@@ -45,8 +45,8 @@ def test_reciprocity(slopes, material):
 @pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
 def test_refraction_is_reciprocal_up_to_the_index_squared(slopes):
     d, w = directions(500, 3), directions(500, 4)
-    forth = dielectric_density(SLOPES[slopes](0.8, 0.3), 1.5, d, w)
-    back = dielectric_density(SLOPES[slopes](0.8, 0.3), 1 / 1.5, -w, -d)
+    forth = dielectric_density(distribution(slopes)(0.8, 0.3), 1.5, d, w)
+    back = dielectric_density(distribution(slopes)(0.8, 0.3), 1 / 1.5, -w, -d)
     assert np.count_nonzero(forth[1]) > 20
     np.testing.assert_allclose(forth[1], 1.5**2 * back[1], rtol=1e-8, atol=1e-12)
 
@@ -54,7 +54,7 @@ def test_refraction_is_reciprocal_up_to_the_index_squared(slopes):
 @pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
 @pytest.mark.parametrize("elevation", [-1.5, -0.7, -0.1, 0.4])
 def test_all_that_a_mirror_or_an_interface_scatters_is_sigma(slopes, elevation):
-    surface = SLOPES[slopes](0.7, 0.5)
+    surface = distribution(slopes)(0.7, 0.5)
     w, weight = sphere(250)
     d = np.array([[0.6 * np.cos(elevation)], [0.8 * np.cos(elevation)], [np.sin(elevation)]])
     sigma = surface.sigma(d)[0]
@@ -68,7 +68,7 @@ def test_all_that_a_mirror_or_an_interface_scatters_is_sigma(slopes, elevation):
 @pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
 @pytest.mark.parametrize("alpha", [(1.0, 1.0), (0.8, 0.2), (0.1, 0.1)])
 def test_diffuse_facets_added_up_one_by_one(slopes, alpha):
-    surface = SLOPES[slopes](*alpha)
+    surface = distribution(slopes)(*alpha)
     d, w = directions(12, 5), directions(12, 6)
     # Awkward pairs: straight on, straight back, vertical, and in one plane with the normal.
     w[:, 0], w[:, 1] = d[:, 0], -d[:, 1]
@@ -90,7 +90,7 @@ def test_diffuse_facets_added_up_one_by_one(slopes, alpha):
 @pytest.mark.parametrize("azimuth", [0.3, 1.0, 2.0, 4.0, 5.5])
 def test_diffuse_density_straight_from_above(azimuth):
     # The axis of the lune is level there, and its z a zero of either sign.
-    slopes = SLOPES["ggx"](1, 1)
+    slopes = distribution("ggx")(1, 1)
     w = np.array([[0.6 * np.cos(azimuth)], [0.6 * np.sin(azimuth)], [0.8]])
     straight = scatter_density(slopes, Diffuse(), np.array([[0.0], [0.0], [-1.0]]), w)
     nearly = scatter_density(slopes, Diffuse(), np.array([[1e-7], [0.0], [-1.0]]), w)

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ndtr, ndtri
 
 from msbsdf_cli.smith.heights import HEIGHTS
-from msbsdf_cli.smith.slopes import SLOPES, Beckmann, Ggx, Lambda
+from msbsdf_cli.smith.slopes import NAMES, Beckmann, Ggx, Lambda, distribution
 from msbsdf_cli.smith.walk import flip, free_path, random_walk
 from msbsdf_cli.tally import Tally
 from surfaces.materials import METALS, Conductor, Dielectric, Diffuse
@@ -30,13 +30,13 @@ def test_ggx_first_order_in_closed_form():
     assert abs(energy.value[0, 0] - (1 - np.log(2))) < 4 * energy.stderr[0, 0]
 
 
-@pytest.mark.parametrize("name", sorted(SLOPES))
+@pytest.mark.parametrize("name", sorted(NAMES))
 @pytest.mark.parametrize(
     "material", [Conductor(METALS["copper"][1:2]), Diffuse((0.7,)), Dielectric(1.5)]
 )
 @pytest.mark.parametrize("theta", [0.0, 1e-5, 0.8, 1.5707, np.nextafter(np.pi / 2, 0)])
 def test_energy_is_conserved_to_rounding(name, material, theta):
-    tally = run(SLOPES[name](0.5, 0.5), material, theta, 20_000)
+    tally = run(distribution(name)(0.5, 0.5), material, theta, 20_000)
     parts = [tally.estimate(k).value.sum() for k in ("energy", "absorbed", "unresolved")]
     assert sum(parts) == pytest.approx(1, abs=1e-12)
     assert parts[2] == 0
@@ -132,10 +132,10 @@ def test_grazing_dielectric_that_the_published_rule_misses():
     assert tally.facets / tally.rays == pytest.approx(1.17, abs=0.01)
 
 
-@pytest.mark.parametrize("name", sorted(SLOPES))
+@pytest.mark.parametrize("name", sorted(NAMES))
 def test_masking_from_walked_heights(name, rng):
     """1 / (1 + Lambda): points of random height, seen from a direction."""
-    slopes = SLOPES[name](0.8, 0.8)
+    slopes = distribution(name)(0.8, 0.8)
     w = np.array([[np.sin(1.2)], [0], [np.cos(1.2)]])
     n = 500_000
     t = HEIGHTS["gaussian"].t(rng.standard_normal(n))
