@@ -208,7 +208,10 @@ _OPTIONS: dict[str, Any] = {
         help="Incident azimuth, likewise.",
     ),
     "ior": dict(
-        type=Real(lambda n: n > 0 and n != 1, "an index ratio: a number above 0 other than 1"),
+        type=Real(
+            lambda n: 0.01 <= n <= 100 and n != 1,
+            "an index ratio: a number from 0.01 to 100 other than 1",
+        ),
         default="1.5",
         metavar="N",
         help="Dielectric: index inside over index outside.",

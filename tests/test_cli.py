@@ -60,6 +60,9 @@ def report(tmp_path_factory):
         (["--metal", "gold", "--eta-k", "1,2"], "--eta-k"),
         (["--eta-k", "1"], "2 numbers"),
         (["--eta-k", "0,3"], "metal"),
+        (["--eta-k", "1,inf"], "metal"),
+        (["--eta-k", "1e200,1e200"], "metal"),
+        (["--ior", "1e9"], "index"),
         (["--material", "wood"], "wood"),
         (["--colour", "red"], "--colour"),
     ],
@@ -213,6 +216,19 @@ def test_mesh_is_saved_and_not_overwritten(tmp_path):
     assert size[1] == pytest.approx(160, rel=0.04)
     assert len(loaded.faces) == 2 * 32**2
     assert "--mesh" in refused(*words[:-1], tmp_path / "r2")
+
+
+def test_what_is_not_finite_is_counted(tmp_path):
+    """A single walk has no standard error that is known."""
+    out = tmp_path / "r"
+    result = msbsdf("walk", "--samples", "1", "--theta", "0.5", "--out", out)
+    assert result.returncode == 0
+    rows = table(out / "energy.csv")
+    count = sum(not math.isfinite(float(r["stderr"])) for r in rows)
+    sentence = f"energy.csv: {count} of {len(rows)} values in the column stderr are not finite."
+    assert count > 0
+    assert sentence in result.stderr
+    assert sentence in json.loads((out / "run.json").read_text())["warnings"]
 
 
 def test_compare_runs_both_and_compares_reports(tmp_path):

@@ -6,7 +6,7 @@ import math
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -79,12 +79,36 @@ def _replace(out: Path, draft: Path) -> None:
     shutil.rmtree(old.parent)
 
 
+def columns(rows: Iterable[Any], names: Iterable[str]) -> Table:
+    """Attributes of rows as columns; where a row has not a number, it does not apply: no text."""
+    picked = {name: [getattr(row, name) for row in rows] for name in names}
+    return {name: ["" if x != x else x for x in column] for name, column in picked.items()}
+
+
 def write_csv(path: Path, table: Table) -> None:
     """Write columns under a header line; floats as their shortest exact text."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(table)
         writer.writerows(zip(*table.values(), strict=True))
+
+
+INFINITE = {
+    "free_path.csv": {"height_start", "height_low", "height_high"},
+    "reach.csv": {"seconds", "seconds_after_setup", "gain", "gain_stderr", "gain_after_setup"},
+}
+"""Columns in which infinity is a value: rays from outside, an error that is never reached."""
+
+
+def not_finite(name: str, table: Table) -> list[str]:
+    """Sentences that count the values of the file `name` that are not finite, by column."""
+    sentences = []
+    for column in (c for c in table if c not in INFINITE.get(name, ())):
+        bad = sum(isinstance(x, float) and not math.isfinite(x) for x in table[column])
+        if bad:
+            of = f"{bad} of {len(table[column])}"
+            sentences.append(f"{name}: {of} values in the column {column} are not finite.")
+    return sentences
 
 
 def read_csv(path: Path, numbers: Sequence[str]) -> dict[str, list[Any]]:

@@ -63,7 +63,7 @@ def in_order(first: Path, second: Path) -> tuple[Path, Path]:
         )
     simulated, modelled = runs["simulate"], runs["walk"]
     a, b = (read_run(d)["options"] for d in (simulated, modelled))
-    for name in ("slopes", "gamma", *SAME, *SAME_FOR.get(a.get("material"), ())):
+    for name in ("slopes", *SAME, *SAME_FOR.get(a.get("material"), ())):
         if a.get(name) != b.get(name):
             raise click.ClickException(
                 f"the reports are of different scenes: {name} is {a.get(name)} in {simulated} "

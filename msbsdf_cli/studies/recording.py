@@ -11,7 +11,14 @@ from typing import Any
 import click
 
 from msbsdf_cli import __version__
-from msbsdf_cli.report.directory import RUN, Table, json_text, write_csv, write_json
+from msbsdf_cli.report.directory import (
+    RUN,
+    Table,
+    json_text,
+    not_finite,
+    write_csv,
+    write_json,
+)
 from msbsdf_cli.report.terminal import measured, show_table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.outcome import Outcome
@@ -105,7 +112,12 @@ def write_run(
 
 
 def write_report(draft: Path, record: dict[str, Any], tables: dict[str, Table]) -> None:
-    """Write run.json, and tables by the names of their files."""
+    """Write run.json, and tables by the names of their files; count what is not finite in them,
+    on standard error and in the warnings."""
+    found = [sentence for name, table in tables.items() for sentence in not_finite(name, table)]
+    for sentence in found:
+        click.echo(f"Warning: {sentence}", err=True)
+    record["warnings"] = [*record.get("warnings", ()), *found]
     write_json(draft / RUN, record)
     for name, table in tables.items():
         write_csv(draft / name, table)

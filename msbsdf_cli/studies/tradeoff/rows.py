@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.report.directory import Table
+from msbsdf_cli.report.directory import Table, columns
 from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.errors import accuracy, root
@@ -209,4 +209,4 @@ def with_distances(rows: list[Row], found: list[Distance]) -> list[Row]:
 
 def table(rows: list[Row]) -> Table:
     """tradeoff.csv"""
-    return {name: [getattr(r, name) for r in rows] for name in COLUMNS}
+    return columns(rows, COLUMNS)

@@ -7,7 +7,7 @@ from functools import lru_cache
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.parallel import in_order
-from msbsdf_cli.report.directory import Table
+from msbsdf_cli.report.directory import Table, columns
 from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import Lobe
@@ -143,4 +143,4 @@ def over_threads(
 
 def table(rows: list[Scaling]) -> Table:
     """scaling.csv"""
-    return {name: [getattr(r, name) for r in rows] for name in Scaling.__dataclass_fields__}
+    return columns(rows, Scaling.__dataclass_fields__)
