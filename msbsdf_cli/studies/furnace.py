@@ -3,7 +3,8 @@
 By reciprocity it is also how bright a surface is under constant white light. The first bounce is
 the mean weight of its own sampler; what the method adds to it is integrated by Monte Carlo over
 outgoing directions, with an estimate of the method's own noise in it. A method that knows its
-energy without adding up values is asked.
+energy without adding up values is asked. The standard error is the spread of repetitions and, in
+quadrature, a bound on undersampling: rare bounces that none of them met are not in their spread.
 """
 
 from dataclasses import dataclass, replace
@@ -100,7 +101,9 @@ def run_furnace(job: FurnaceJob) -> Albedos:
         place = job.method, repr(scene.alpha), i
         streams = (stream(job.seed, "furnace", *place, repeat) for repeat in range(n))
         repeats = np.array([_integrate(method, single, wi, walks, rng) for rng in streams])
-        rows.append([repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / np.sqrt(n)])
+        spread = repeats.std(axis=0, ddof=1) / np.sqrt(n)
+        unseen = _unseen(method, n * walks, n * FIRST, scene.orders)
+        rows.append([repeats.mean(axis=0), np.hypot(spread, unseen)])
     value, stderr = np.moveaxis(np.array(rows), 1, 0)
     return Albedos(job.method, scene.alpha, value, stderr)
 
@@ -116,6 +119,20 @@ def _integrate(
     orders = added @ share
     orders[:, 0] += first
     return _with_total(orders)
+
+
+def _unseen(method: Method, walks: int, first: int, orders: int) -> Array:
+    """What paths that none of the walks has met may add to the albedos, (orders + 2,).
+
+    A walk carries at most all of the light, so that what has not happened in n walks is worth
+    about 1 / n. The first bounce is drawn `first` times; after that a method without noise adds
+    nothing that could be missed, and one with noise draws `walks` of them.
+    """
+    later = 0.0 if method.deterministic else 1 / walks
+    unseen = np.full(orders + 2, later)
+    unseen[0] = 1 / first
+    unseen[-1] = max(later, 1 / first)
+    return unseen
 
 
 def _with_total(orders: Array) -> Array:
