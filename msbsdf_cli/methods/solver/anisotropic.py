@@ -11,6 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
+from msbsdf_cli.methods.directions import exits
+from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.isotropic import CHUNK
 from msbsdf_cli.methods.solver.nodes import (
@@ -32,6 +34,10 @@ MIRRORS = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]])
 
 FACETS = 4
 """Facets for each node of the directions, along either angle."""
+
+FINER = 2
+"""Elevations on either side of the light's own, for each node, that order 1 is integrated over:
+right to 1e-8 with them, up to theta 1.57 at roughness 0.1,1."""
 
 
 def parities(blocks: int) -> Array:
@@ -117,20 +123,33 @@ class MirrorGrid(QuarterGrid):
         phi, weight = azimuths(round(2 * self.quarter / self.azimuths.narrowest))
         return np.concatenate([phi, -phi]), np.concatenate([weight, weight])
 
+    def _around(self, d: Array) -> tuple[Array, Array]:
+        """Azimuths (p,), crowded about that of a direction (3,), and weights."""
+        phi, weight = self._offsets
+        return phi + np.arctan2(d[1], d[0]), weight
+
+    def first(self, wi: Array) -> Array:
+        """Energy (channels,) of order 1, for light from `wi` (3,).
+
+        A single integral over the closed form, with nodes of its own on either side of the
+        light's own elevation: towards grazing angles lobes are narrower than the grid's.
+        """
+        x = coordinate(np.hypot(wi[0], wi[1]), wi[2])
+        elevations = Elevations(FINER * self.elevations.n)
+        angle = elevations.between(np.array([0, x]), np.array([x, 1]))
+        phi, weight = self._around(-wi)
+        wo = exits(self.slopes, _directions(angle.sin.ravel(), angle.cos.ravel(), phi))
+        value = first_order(self.slopes, self.material, wi, wo)
+        return value @ np.multiply.outer(angle.weight, weight).ravel()
+
     def _row(self, d: Array) -> tuple[Array, Array]:
         """Scattering (channels, blocks, n) from a direction (3,): down (weighted) and up."""
         x = coordinate(np.hypot(d[0], d[1]), np.abs(d[2]))[None]
         angle, nodes = self.elevations.between(0 * x, x), self.elevations.nodes
-        phi, weight = self._offsets
-        phi = phi + np.arctan2(d[1], d[0])
-        sin, cos = (
-            np.concatenate([angle.sin[0], nodes.sin]),
-            np.concatenate([-angle.cos[0], nodes.cos]),
-        )
-        w = np.empty((3, sin.size, phi.size))
-        w[0], w[1] = np.multiply.outer(sin, np.cos(phi)), np.multiply.outer(sin, np.sin(phi))
-        w[2] = cos[:, None]
-        w = w.reshape(3, -1)
+        sin = np.concatenate([angle.sin[0], nodes.sin])
+        cos = np.concatenate([-angle.cos[0], nodes.cos])
+        phi, weight = self._around(d)
+        w = _directions(sin, cos, phi)
         v = np.broadcast_to(np.array([[d[0]], [d[1]], [-np.abs(d[2])]]), w.shape)
         q = scatter_density(self.slopes, self.material, v, w)
         # (channels, elevations, blocks, quarter)
@@ -155,6 +174,14 @@ class MirrorGrid(QuarterGrid):
         with np.errstate(divide="ignore", invalid="ignore"):
             wave = np.where(sine == 0, 1, np.sin(n * x) * np.cos(x) / (n * sine))
         return np.einsum("bg,pgj->pbj", parities(self.blocks), wave)
+
+
+def _directions(sin: Array, cos: Array, phi: Array) -> Array:
+    """Directions (3, elevations x azimuths)."""
+    w = np.empty((3, sin.size, phi.size))
+    w[0], w[1] = np.multiply.outer(sin, np.cos(phi)), np.multiply.outer(sin, np.sin(phi))
+    w[2] = cos[:, None]
+    return w.reshape(3, -1)
 
 
 @dataclass(frozen=True)
