@@ -41,6 +41,9 @@ def command(**options: Any) -> None:
     with new_report(out) as draft:
         work = scene, options["method"], directions.wo, options["samples"]
         values = evaluate(*work, *arithmetic, bidirectional=both_ends)
+        missed = hardly_known(values)
+        common.announce(missed)
+        warnings += missed
         record = recording.methods_record("evaluate", options, started, elapsed(), walks, warnings)
         record["methods"] = [
             {
@@ -57,6 +60,22 @@ def command(**options: Any) -> None:
         recording.show_json(record | {"report": str(out)})
     elif not options["quiet"]:
         show(values, out)
+
+
+def hardly_known(values: list[Any]) -> list[str]:
+    """Sentences on where `solve` states a large error of the sum over orders."""
+    from msbsdf_cli.methods.solve import VALUE_KNOWN, Solve
+
+    errors = (
+        (v.theta, v.stderr[:, -1].max() / v.value[:, -1].max())
+        for v in values
+        if v.method == Solve.name and v.value[:, -1].max() > 0
+    )
+    return [
+        f"method solve knows values at theta {theta:.4g} to {error:.1g} of the largest only."
+        for theta, error in errors
+        if error > VALUE_KNOWN
+    ]
 
 
 EVALUATIONS_PER_S = 2e7

@@ -47,7 +47,7 @@ def command(**options: Any) -> None:
     settings = options["samples"], options["seed"], accuracy, options["threads"], options["quiet"]
     with new_report(out) as draft:
         results = furnace(scene, alphas, options["method"], *settings)
-        missed = not_reached(results, accuracy)
+        missed = not_reached(results, accuracy) if accuracy else hardly_known(scene, results)
         common.announce(missed)
         warnings += missed
         walks = options["samples"] * len(results) * len(scene.theta)
@@ -61,11 +61,29 @@ def command(**options: Any) -> None:
         click.echo(f"Report: {out}")
 
 
-def not_reached(results: list[Any], accuracy: float | None) -> list[str]:
+def hardly_known(scene: Any, results: list[Any]) -> list[str]:
+    """Sentences on where `solve` states a large error of an order's energy."""
+    from msbsdf_cli.methods.solve import ENERGY_KNOWN, Solve
+
+    errors = (
+        (r.alpha, theta, stderr[:, :-1].max())
+        for r in results
+        if r.method == Solve.name
+        for theta, stderr in zip(scene.theta, r.stderr, strict=True)
+    )
+    return [
+        f"method solve knows the energies of alpha {alpha[0]:g},{alpha[1]:g} at theta {theta:.4g} "
+        f"to {error:.1g} only; --accuracy asks for more nodes."
+        for alpha, theta, error in errors
+        if error > ENERGY_KNOWN
+    ]
+
+
+def not_reached(results: list[Any], accuracy: float) -> list[str]:
     """Sentences on where `solve` does not know an order's energy as well as was wanted."""
     from msbsdf_cli.methods.solve import Solve
 
-    solved = (r for r in results if accuracy is not None and r.method == Solve.name)
+    solved = (r for r in results if r.method == Solve.name)
     errors = ((r.alpha, r.stderr[..., :-1].max()) for r in solved)
     return [
         f"method solve reached an error of {error:.2g} at alpha {alpha[0]:g},{alpha[1]:g}, "

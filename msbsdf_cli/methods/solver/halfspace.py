@@ -66,6 +66,8 @@ class HalfSpace:
         """Energy (channels, sides, orders + 1) that leaves in each order for `wi` (3,)."""
         grid, table = self._energetic
         reflected = energy(table.kernel, table.extend(grid.rows(wi[:, None])))[..., 0]
+        if isinstance(grid, MirrorGrid):
+            reflected[:, 0] = grid.first(wi)
         return np.stack([reflected, np.zeros_like(reflected)], axis=1)
 
     @cached_property

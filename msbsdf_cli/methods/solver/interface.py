@@ -82,7 +82,7 @@ class TwoHalfSpaces:
             directions = SpreadModes(elevations, modes)
         else:
             elevations = self._elevations(14 + 0.4 / alpha + 2 * np.sqrt(wide))
-            lobes = 10 + 1.2 * wide / alpha if energy_only else 8 + wide / alpha + 1 / alpha
+            lobes = 10 + 1.4 * wide / alpha if energy_only else 8 + wide / alpha + 1 / alpha
             blocks = 1 if energy_only else 4
             directions = SpreadGrid(self.slopes, elevations, round(self.resolution * lobes), blocks)
         # Of a grid there are many more rows, whose errors are of either sign.

@@ -125,6 +125,64 @@ def interpolation(n: int, x: Array) -> Array:
     return matrix
 
 
+@dataclass(frozen=True)
+class QuarterAzimuths:
+    """`n` azimuths between the axes x and y, none of them on an axis, for functions that are even
+    or odd about both: images of evenly spaced ones under a smooth map of the circle."""
+
+    n: int
+    crowding: float
+    """Spacing at both axes over that midway between them, or rather its root: the slope of
+    tan(2 azimuth)."""
+    squeeze: float
+    """Further factor of tan(azimuth): above 1 it moves nodes towards y."""
+
+    @cached_property
+    def even(self) -> Array:
+        """Evenly spaced (n,), before they are moved."""
+        return (np.arange(self.n) + 0.5) * np.pi / (2 * self.n)
+
+    @cached_property
+    def nodes(self) -> Array:
+        """The azimuths (n,)."""
+        return np.arctan2(self.squeeze * np.sin(self._crowded), np.cos(self._crowded))
+
+    @cached_property
+    def _crowded(self) -> Array:
+        return np.arctan2(self.crowding * np.sin(2 * self.even), np.cos(2 * self.even)) / 2
+
+    @cached_property
+    def arc(self) -> Array:
+        """Azimuth (n,) that a node and its three mirror images stand for."""
+        slope = _slope(self.crowding, 2 * self.even) * _slope(self.squeeze, self._crowded)
+        return 2 * np.pi / self.n * slope
+
+    @property
+    def narrowest(self) -> float:
+        """The least spacing of nodes over an even one."""
+        return self.crowding * min(self.squeeze, 1 / self.squeeze)
+
+    def relax(self, turns: Array) -> Array:
+        """Move azimuths, as exp(i phi) (...), by the inverse of the map."""
+        turns = _unit(self.squeeze * turns.real + 1j * turns.imag)
+        double = turns * turns
+        moved = _unit(self.crowding * double.real + 1j * double.imag)
+        # It moves none by more than half the way to an axis, where the root has its branch.
+        relaxed: Array = turns * np.sqrt(moved * double.conj())
+        return relaxed
+
+
+def _slope(factor: float, angle: Array) -> Array:
+    """d(image) / d(angle) of tan(image) = factor tan(angle)."""
+    slope: Array = factor / (np.cos(angle) ** 2 + (factor * np.sin(angle)) ** 2)
+    return slope
+
+
+def _unit(z: Array) -> Array:
+    unit: Array = z / np.abs(z)
+    return unit
+
+
 def azimuths(modes: int) -> tuple[Array, Array]:
     """Azimuths on (0, pi) and weights that integrate cos(m phi), m < modes, against a kernel that
     is peaked at 0 on any scale.

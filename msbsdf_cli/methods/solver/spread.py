@@ -56,7 +56,7 @@ class SpreadGrid(QuarterGrid):
 
     def spread(self, light: Light) -> Array:
         """Light (blocks, 2 n) at the nodes: downward ones, then upward ones."""
-        turns, q = _turns(light.w * self._relaxed), self.quarter
+        turns, q = self.azimuths.relax(_turns(light.w)), self.quarter
         even, odd = self._interpolants
         if self.blocks == 1:
             waves = _spread(self.elevations, light, _waves(turns * turns, q).real)
@@ -72,11 +72,6 @@ class SpreadGrid(QuarterGrid):
         return np.stack(blocks).reshape(self.blocks, -1)
 
     @cached_property
-    def _relaxed(self) -> Array:
-        """Factors (3, 1) of directions that space the nodes' azimuths evenly."""
-        return np.array([[self.squeeze], [1], [1]])
-
-    @cached_property
     def _interpolants(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         """Factors (waves, quarter) of the trigonometric interpolant of each parity: of cos and
         sin of even multiples of the azimuth, then of odd ones (the discrete cosine and sine
@@ -86,7 +81,7 @@ class SpreadGrid(QuarterGrid):
         ends = scale.copy()
         # Of these waves the first, cos(0), or the last, +-1 at the nodes, is twice as large.
         ends[0] /= 2
-        phi = self.even
+        phi = self.azimuths.even
         even = ends * np.cos(2 * k * phi), ends[::-1] * np.sin(2 * (k + 1) * phi)
         odd = scale * np.cos((2 * k + 1) * phi), scale * np.sin((2 * k + 1) * phi)
         return even, odd
