@@ -69,7 +69,7 @@ def hardly_known(scene: Any, results: list[Any]) -> list[str]:
         (r.alpha, theta, stderr[:, :-1].max())
         for r in results
         if r.method == Solve.name
-        for theta, stderr in zip(scene.theta, r.stderr, strict=True)
+        for theta, stderr in zip(scene.theta, r.stderr.max(axis=0), strict=True)
     )
     return [
         f"method solve knows the energies of alpha {alpha[0]:g},{alpha[1]:g} at theta {theta:.4g} "
@@ -103,7 +103,7 @@ def show(scene: Any, results: list[Any]) -> None:
             ",".join(f"{a:g}" for a in dict.fromkeys(r.alpha)),
             *(
                 measured(float(v[0, -1]), float(e[0, -1]))
-                for v, e in zip(r.value, r.stderr, strict=True)
+                for v, e in zip(r.value[0], r.stderr[0], strict=True)
             ),
         )
         for r in results

@@ -19,7 +19,7 @@ from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.parallel import Progress, in_order
 from msbsdf_cli.report.directory import Table
 from msbsdf_cli.run.streams import stream
-from msbsdf_cli.scene import Scene
+from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.studies.slicing import channel_names
 from msbsdf_cli.studies.tables import order_names
 from surfaces.facet import Array, unit_circle
@@ -29,6 +29,8 @@ REPEATS = 16
 DIRECTIONS = 256
 """Outgoing directions of a repetition, and walks if there are more than enough repetitions: noise
 comes from both alike."""
+QUARTER = 5
+"""Azimuths from the x to the y axis, where the two roughnesses differ."""
 FIRST = 16384
 """Samples of the first bounce of a repetition."""
 
@@ -47,11 +49,13 @@ class FurnaceJob:
 
 @dataclass
 class Albedos:
-    """Albedo and standard error of a method at a roughness, (theta, channels, orders + 2): orders 1
-    to K, all the later ones, and all together."""
+    """Albedo and standard error of a method at a roughness, (phi, theta, channels, orders + 2):
+    orders 1 to K, all the later ones, and all together."""
 
     method: str
     alpha: tuple[float, float]
+    phi: tuple[float, ...]
+    """Incident azimuths in radians, the scene's own first."""
     value: Array
     stderr: Array
 
@@ -84,7 +88,8 @@ def run_furnace(job: FurnaceJob) -> Albedos:
     """Albedos of one method at one roughness."""
     scene = job.scene
     arguments = scene.distribution(), scene.facets(), scene.orders
-    directions = np.stack([scene.wi(theta) for theta in scene.theta], axis=1)
+    phis = azimuths(scene)
+    directions = np.stack([direction(t, p) for p in phis for t in scene.theta], axis=1)
     if job.method == Solve.name and job.accuracy is not None:
         method: Method = Solve.accurate(*arguments, directions, job.accuracy)
     else:
@@ -104,8 +109,17 @@ def run_furnace(job: FurnaceJob) -> Albedos:
         spread = repeats.std(axis=0, ddof=1) / np.sqrt(n)
         unseen = _unseen(method, n * walks, n * FIRST, scene.orders)
         rows.append([repeats.mean(axis=0), np.hypot(spread, unseen)])
-    value, stderr = np.moveaxis(np.array(rows), 1, 0)
-    return Albedos(job.method, scene.alpha, value, stderr)
+    found: Array = np.array(rows).reshape(len(phis), len(scene.theta), 2, *np.shape(rows[0])[1:])
+    value, stderr = np.moveaxis(found, 2, 0)
+    return Albedos(job.method, scene.alpha, phis, value, stderr)
+
+
+def azimuths(scene: Scene) -> tuple[float, ...]:
+    """The scene's azimuth, and of two roughnesses a grid over the quarter turn, which by symmetry
+    stands for the whole one."""
+    if scene.alpha[0] == scene.alpha[1]:
+        return (scene.phi,)
+    return tuple(dict.fromkeys((scene.phi, *np.linspace(0, np.pi / 2, QUARTER).tolist())))
 
 
 def _integrate(
@@ -160,15 +174,15 @@ def _outgoing(single: Single, wi: Array, rng: np.random.Generator) -> tuple[Arra
 
 def furnace_table(scene: Scene, results: list[Albedos]) -> Table:
     """furnace.csv"""
-    names = ("method", "material", "slopes", "alpha_x", "alpha_y", "theta_i_rad")
+    names = ("method", "material", "slopes", "alpha_x", "alpha_y", "theta_i_rad", "order")
     table: dict[str, list[float | str]] = {
-        name: [] for name in (*names, "order", "albedo", "stderr", "channel")
+        name: [] for name in (*names, "albedo", "stderr", "channel", "phi_i_rad")
     }
     orders = [*order_names(scene.orders), "all"]
     for result in results:
-        channels = channel_names(result.value.shape[1])
+        channels = channel_names(result.value.shape[2])
         for place in np.ndindex(result.value.shape):
-            i, c, k = place
+            p, i, c, k = place
             row: tuple[float | str, ...] = (
                 result.method,
                 scene.material,
@@ -179,6 +193,7 @@ def furnace_table(scene: Scene, results: list[Albedos]) -> Table:
                 float(result.value[place]),
                 float(result.stderr[place]),
                 channels[c],
+                result.phi[p],
             )
             for column, cell in zip(table.values(), row, strict=True):
                 column.append(cell)
