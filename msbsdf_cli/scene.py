@@ -53,7 +53,7 @@ class Scene:
         return f"{self.material}-{slopes}-{alpha}"
 
 
-def direction(theta: float, phi: float) -> Array:
+def direction(theta: float, phi: float = 0.0) -> Array:
     """Unit vector (3,) of polar angle and azimuth in radians."""
     return np.array(
         [math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta)]

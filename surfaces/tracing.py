@@ -14,6 +14,7 @@ from surfaces.facet import Array
 from surfaces.light import Light, append_event
 from surfaces.materials import Material
 from surfaces.periodic import ESCAPED, LOST, meet, next_triangle
+from surfaces.stretch import Stretch
 from surfaces.surface import Surface
 
 BLOCK = 16384
@@ -32,32 +33,34 @@ class Rays(Batch):
 
 
 class Tracer:
-    """Light of azimuth `phi` on `surface`, stretched to a roughness, with facets of `material`."""
+    """Light on `surface`, in the world that `stretch` takes to its grid, with facets of
+    `material`."""
 
-    def __init__(
-        self,
-        surface: Surface,
-        alpha_x: float,
-        alpha_y: float,
-        material: Material,
-        phi: float = 0.0,
-    ) -> None:
+    def __init__(self, surface: Surface, stretch: Stretch, material: Material) -> None:
         self.surface = surface
         self.material = material
-        self.stretch = surface.stretch(alpha_x, alpha_y, phi)
+        self.stretch = stretch
 
-    def trace(self, wi: Array, n: int, rng: np.random.Generator, max_order: int) -> Iterator[Light]:
+    def trace(
+        self,
+        wi: Array,
+        n: int,
+        rng: np.random.Generator,
+        max_order: int,
+        piece: tuple[int, int] = (0, 1),
+    ) -> Iterator[Light]:
         """Trace `n` rays from the direction `wi` (3,), z > 0; yield what leaves, order by order.
 
         Rays start uniformly over the mean plane, one on each of `n` equal pieces of a
         space-filling curve: evenly spread, and neighbours in memory are neighbours in space,
-        which is what makes Embree fast. What is still under way after `max_order` facets comes
+        which is what makes Embree fast. `piece` (i, k) is the i-th of k equal pieces of that curve,
+        where the rays start. What is still under way after `max_order` facets comes
         last, unresolved.
         """
         survivors: list[Rays] = []
         for start in range(0, n, BLOCK):
             count = min(BLOCK, n - start)
-            curve = (start + np.arange(count) + rng.random(count)) / n
+            curve = (piece[0] + (start + np.arange(count) + rng.random(count)) / n) / piece[1]
             yield from self._facet(self._arrive(wi, curve), 1, rng, survivors)
         for order in range(2, max_order + 2):
             if not survivors:

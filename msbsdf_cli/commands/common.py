@@ -101,7 +101,7 @@ def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]
 
     Raises click.BadParameter for a method that does not.
     """
-    from msbsdf_cli.methods.protocol import NotForThis
+    from msbsdf_cli.methods.protocol import UnsupportedError
     from msbsdf_cli.methods.registry import METHODS
 
     holding = []
@@ -109,7 +109,7 @@ def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]
         try:
             METHODS[name].refuse(scene.distribution(), scene.facets())
             holding.append(name)
-        except NotForThis as refusal:
+        except UnsupportedError as refusal:
             if wanted:
                 raise click.BadParameter(f"{refusal}.", param_hint="--method") from None
     return tuple(holding)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
@@ -57,11 +57,11 @@ class Holds:
 
     @classmethod
     def refuse(cls, slopes: Slopes, material: Material) -> None:
-        """Raise `NotForThis` for what the method cannot do."""
+        """Raise `UnsupportedError` for what the method cannot do."""
         if not isinstance(material, Conductor | Diffuse | Dielectric):
-            raise NotForThis(f"method {cls.name} does not know the material {material.name}")
+            raise UnsupportedError(f"method {cls.name} does not know the material {material.name}")
         if isinstance(material, Dielectric) and material.ior == 1:
-            raise NotForThis(
+            raise UnsupportedError(
                 f"method {cls.name} needs an index other than 1: light that goes straight on has "
                 "no density"
             )

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from msbsdf_cli.methods.directions import Exits, Holds, exits
-from msbsdf_cli.methods.protocol import Evaluation, NotForThis
+from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import first_order, phase_density
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
@@ -80,7 +80,9 @@ class EnergyCompensated(Holds):
     ) -> None:
         self.refuse(slopes, material)
         if variant == "turquin" and isinstance(material, Dielectric):
-            raise NotForThis("the variant turquin of energy-compensated is for conductors only")
+            raise UnsupportedError(
+                "the variant turquin of energy-compensated is for conductors only"
+            )
         self.slopes, self.material, self.orders = slopes, material, orders
         self.variant = variant
         self.E = Albedo(slopes, material, inside=False)
@@ -91,7 +93,7 @@ class EnergyCompensated(Holds):
     def refuse(cls, slopes: Slopes, material: Material) -> None:
         super().refuse(slopes, material)
         if not isinstance(material, Conductor | Dielectric):
-            raise NotForThis(
+            raise UnsupportedError(
                 "method energy-compensated is for conductors and dielectrics: diffuse facets lose "
                 "no energy to a closed form that anybody would compensate"
             )

@@ -18,7 +18,7 @@ from msbsdf_cli.methods.paths import (
     next_event,
     scatter,
 )
-from msbsdf_cli.methods.protocol import Evaluation, NotForThis
+from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.smith.descent import Descent, arriving_descent, slant
@@ -76,7 +76,7 @@ class Exact(SampledByWalk):
     def refuse(cls, slopes: Slopes, material: Material) -> None:
         super().refuse(slopes, material)
         if material.transmits:
-            raise NotForThis(
+            raise UnsupportedError(
                 "method exact is for conductors and diffuse facets: light that changes sides turns "
                 "the surface upside down, and its heights cannot be integrated out beyond that"
             )

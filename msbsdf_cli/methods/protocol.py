@@ -10,7 +10,7 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-class NotForThis(ValueError):
+class UnsupportedError(ValueError):
     """A method was asked for a material or slopes it does not hold for; the text says why."""
 
 
@@ -32,7 +32,7 @@ class Method(Protocol):
     """A BSDF of given slopes and material, evaluated one way.
 
     Made by `Method(slopes, material, orders)`, which does all the work that serves every pair of
-    directions, and raises `NotForThis` for what the method cannot do.
+    directions, and raises `UnsupportedError` for what the method cannot do.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Method(Protocol):
 
     @classmethod
     def refuse(cls, slopes: Slopes, material: Material) -> None:
-        """Raise `NotForThis` for what the method cannot do, before any work is done."""
+        """Raise `UnsupportedError` for what the method cannot do, before any work is done."""
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None: ...
 

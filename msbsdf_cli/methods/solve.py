@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.methods.directions import Holds, exits
-from msbsdf_cli.methods.protocol import Evaluation, NotForThis
+from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.solver.halfspace import HalfSpace
 from msbsdf_cli.methods.solver.interface import TwoHalfSpaces
@@ -130,11 +130,15 @@ class Solve(Holds):
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Not offered."""
-        raise NotForThis("solve evaluates a BSDF without samples, and has no sampler of its own")
+        raise UnsupportedError(
+            "solve evaluates a BSDF without samples, and has no sampler of its own"
+        )
 
     def pdf(self, wi: Array, wo: Array) -> Array:
         """Not offered."""
-        raise NotForThis("solve evaluates a BSDF without samples, and has no sampler of its own")
+        raise UnsupportedError(
+            "solve evaluates a BSDF without samples, and has no sampler of its own"
+        )
 
 
 def _error(fine: Array, coarse: list[Array]) -> Array:

@@ -110,11 +110,11 @@ def _energies(simulated: Path, modelled: Path) -> list[Row]:
         if key not in values:
             continue  # Methods that evaluate do not say what was absorbed.
         b, b_stderr = values[key]
-        rows.append(_signed("energy", key, a, a_stderr, b, b_stderr))
+        rows.append(signed("energy", key, a, a_stderr, b, b_stderr))
     return rows
 
 
-def _signed(
+def signed(
     quantity: str,
     place: tuple[float, float, str, str],
     a: float,
@@ -153,7 +153,7 @@ def _total_variations(
         ]
         mine = None if groups is None else groups[:, part].sum(axis=1)
         d = total_variation(modelled, simulated, mine)
-        rows.append(_distance("total_variation", place, totals, d))
+        rows.append(distance("total_variation", place, totals, d))
     return rows
 
 
@@ -171,12 +171,12 @@ def _free_paths(ours: Rows, theirs: Rows, phi: float) -> list[Row]:
         # The last bin holds those that escaped.
         escaped = [(float(h.value[-1]), float(h.stderr[-1])) for h in (simulated, modelled)]
         d = kolmogorov_smirnov(modelled, simulated)
-        rows.append(_distance("free_path_ks", place, escaped, d))
-        rows.append(_signed("free_path_escape", place, *escaped[0], *escaped[1]))
+        rows.append(distance("free_path_ks", place, escaped, d))
+        rows.append(signed("free_path_escape", place, *escaped[0], *escaped[1]))
     return rows
 
 
-def _distance(
+def distance(
     quantity: str,
     place: tuple[float, float, str, str],
     totals: list[tuple[float, float]],

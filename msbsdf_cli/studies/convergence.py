@@ -10,12 +10,12 @@ import numpy as np
 
 from msbsdf_cli.parallel import Progress, in_order
 from msbsdf_cli.report.directory import Table
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.simulating import Resolution, make_surface
 from msbsdf_cli.studies.tables import order_names
 from msbsdf_cli.tally import SIDES, Tally
 from surfaces.facet import Array
+from surfaces.streams import stream
 from surfaces.tracing import Tracer
 
 CELLS = (4, 8, 16, 32, 48)
@@ -86,7 +86,8 @@ def _energies(trial: Trial) -> list[Array]:
         surface = make_surface(resolution, rng)
         if trial.parameter == "lift":
             surface.lift *= value or 0
-        tracer = Tracer(surface, *trial.scene.alpha, trial.scene.facets(), trial.scene.phi)
+        stretch = surface.stretch(*trial.scene.alpha, trial.scene.phi)
+        tracer = Tracer(surface, stretch, trial.scene.facets())
         energies = []
         for i, theta in enumerate(trial.scene.theta):
             rng = stream(trial.seed, "convergence rays", *field, i)

@@ -15,9 +15,9 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.special import erf
 
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.studies.tradeoff.errors import jackknife
 from surfaces.facet import Array
+from surfaces.streams import stream
 
 NOISE_DRAWS = 200
 """Enough that the mean and spread of distances by noise are known to some percent."""

@@ -11,9 +11,9 @@ from msbsdf_cli.methods.position_free import PositionFree
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.parallel import Progress, in_order
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from surfaces.facet import Array
+from surfaces.streams import stream
 
 PARTS = 16
 PART = 100_000
@@ -75,7 +75,7 @@ def evaluate(
     cost no more, and a method without noise does all of them. `solid_angle` (n,) makes the
     directions a quadrature, and energies of it. `bidirectional` is for the position-free models,
     see `msbsdf_cli.methods.position_free`.
-    Raises `NotForThis` where a method does not hold for the scene.
+    Raises `UnsupportedError` where a method does not hold for the scene.
     """
     turns = wo.reshape(-1, *wo.shape[-2:])
     jobs = []

@@ -18,11 +18,11 @@ from msbsdf_cli.methods.single import Single, first_order, phase_density
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.parallel import Progress, in_order
 from msbsdf_cli.report.directory import Table
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.studies.slicing import channel_names
 from msbsdf_cli.studies.tables import order_names
 from surfaces.facet import Array, unit_circle
+from surfaces.streams import stream
 
 REPEATS = 16
 """At least so many independent repetitions, whose spread is the standard error."""

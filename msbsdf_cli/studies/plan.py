@@ -8,12 +8,12 @@ sends to a second facet: where that is nothing, a mesh of any fineness gives the
 
 import math
 
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.studies.discretisation import PERIOD
 from msbsdf_cli.studies.simulating import Resolution
 from surfaces.materials import Conductor, Material
+from surfaces.streams import stream
 
 PILOT_WALKS = 20_000
 LEAST_CELLS, LEAST_EXTENT, LEAST_REALISATIONS = 16, 12, 16

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msbsdf_cli.parallel import Progress, in_order
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.studies.discretisation import COARSER, pairs, squared_errors
 from msbsdf_cli.studies.outcome import FreePaths, Outcome
@@ -14,6 +13,7 @@ from msbsdf_cli.tally import MERGED, PHI_BINS, THETA_BINS, Tally, merge_bins
 from surfaces.facet import Array
 from surfaces.free_path import next_heights
 from surfaces.heightfield import all_waves, some_waves, synthesise
+from surfaces.streams import stream
 from surfaces.surface import Surface
 from surfaces.tracing import Tracer
 
@@ -181,7 +181,7 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     surface.query(np.zeros((3, 1)), np.ones((3, 1)))  # Embree builds in its first call.
     ready = time.perf_counter()
     surface.rays, surface.embree_s = 0, 0.0
-    tracer = Tracer(surface, *scene.alpha, scene.facets(), scene.phi)
+    tracer = Tracer(surface, surface.stretch(*scene.alpha, scene.phi), scene.facets())
     units = _units(job, tracer)
     traced = time.perf_counter()
     rays, embree_s = surface.rays, surface.embree_s
@@ -210,7 +210,7 @@ def _coarser(job: SurfaceJob, units: list[Tally]) -> list[Tally]:
     scene, resolution = job.scene, job.resolution
     coarser = replace(resolution, cells=resolution.cells // COARSER)
     surface = realisation(coarser, job.number, job.seed)
-    tracer = Tracer(surface, *scene.alpha, scene.facets(), scene.phi)
+    tracer = Tracer(surface, surface.stretch(*scene.alpha, scene.phi), scene.facets())
     return [c.less(unit) for c, unit in zip(_units(job, tracer), units, strict=True)]
 
 

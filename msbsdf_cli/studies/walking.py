@@ -1,39 +1,23 @@
 """Running the Smith random walk for a scene."""
 
 import time
-from dataclasses import dataclass
 
 import numpy as np
 
+from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
+from msbsdf_cli.model import Smith
 from msbsdf_cli.parallel import Progress, in_order
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.smith.heights import HEIGHTS, Heights
 from msbsdf_cli.smith.slopes import Slopes
-from msbsdf_cli.smith.walk import exponential, free_path, random_walk
+from msbsdf_cli.smith.walk import exponential, free_path
 from msbsdf_cli.studies.outcome import FreePaths, Outcome
 from msbsdf_cli.tally import Tally
 from surfaces.facet import Array
-
-WALKS = 1 << 18
-"""Walks in a job: enough that the last few of many bounces cost little, few enough that a job
-takes some hundredths of a second and its lanes a few megabytes."""
+from surfaces.streams import stream
 
 FREE_PATH_UNITS = 64
 """Independent parts into which the free paths of a row are divided for their standard error."""
-
-
-@dataclass(frozen=True)
-class WalkJob:
-    """Walks of one incident angle, `theta_index` in the scene, numbered `part`."""
-
-    scene: Scene
-    theta_index: int
-    part: int
-    walks: int
-    seed: int
-    precision: str
-    max_order: int
 
 
 def walk(
@@ -53,30 +37,20 @@ def walk(
     """
     started = time.monotonic()
     tallies = [Tally(scene.orders) for _ in scene.theta]
-    jobs = (
-        WalkJob(scene, i, part, min(WALKS, samples - start), seed, precision, max_order)
-        for i in range(len(scene.theta))
-        for part, start in enumerate(range(0, samples, WALKS))
+    model, dtype = Smith(scene.distribution(), scene.facets()), np.dtype(precision).type
+    parts = (
+        job
+        for i, theta in enumerate(scene.theta)
+        for job in jobs(model, scene.wi(theta, dtype), samples, scene.orders, seed, max_order, i)
     )
     with Progress("walk", samples * len(scene.theta), "walks", quiet) as progress:
-        for index, tally in in_order(run_walks, jobs, threads):
+        for index, tally in in_order(run_walks, parts, threads):
             tallies[index].merge(tally)
             progress.advance(tally.rays)
     wall_s = time.monotonic() - started
     rng = stream(seed, "walk free paths")
     walk_free_paths(scene.distribution(), scene.phi, HEIGHTS[heights], free_paths, samples, rng)
     return Outcome(tallies, free_paths, wall_s)
-
-
-def run_walks(job: WalkJob) -> tuple[int, Tally]:
-    """The tally of a job's walks."""
-    rng = stream(job.seed, "walk", job.theta_index, job.part)
-    wi = job.scene.wi(job.scene.theta[job.theta_index], np.dtype(job.precision).type)
-    tally = Tally(job.scene.orders)
-    slopes, material = job.scene.distribution(), job.scene.facets()
-    for light in random_walk(slopes, material, wi, job.walks, rng, job.max_order):
-        tally.add(light)
-    return job.theta_index, tally
 
 
 def walk_free_paths(

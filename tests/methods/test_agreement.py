@@ -5,7 +5,7 @@ import pytest
 from spheres import direction, evaluated, hemisphere, largest_z, sphere
 
 from msbsdf_cli.methods.exact import Exact
-from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.walk import Walk
 from msbsdf_cli.methods.walk_low_variance import WalkLowVariance
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
@@ -124,7 +124,7 @@ def test_very_rough_surfaces_end():
 
 
 def test_refusals_are_sentences():
-    with pytest.raises(NotForThis, match="exact is for conductors and diffuse"):
+    with pytest.raises(UnsupportedError, match="exact is for conductors and diffuse"):
         Exact(Beckmann(1, 1), Dielectric(), 2)
-    with pytest.raises(NotForThis, match="index other than 1"):
+    with pytest.raises(UnsupportedError, match="index other than 1"):
         Walk(Beckmann(1, 1), Dielectric(1.0), 2)

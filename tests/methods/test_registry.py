@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from spheres import direction, hemisphere, sphere
 
-from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from surfaces.materials import Conductor, Dielectric, Diffuse
@@ -19,7 +19,7 @@ REFUSED = {("exact", "dielectric"), ("energy-compensated", "diffuse")}
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda m: m.name)
 def test_samples_follow_the_values(name, material):
     if (name, material.name) in REFUSED:
-        with pytest.raises(NotForThis, match=f"method {name}"):
+        with pytest.raises(UnsupportedError, match=f"method {name}"):
             METHODS[name](Ggx(0.8, 0.8), material, 2)
         return
     method, wi = METHODS[name](Beckmann(1, 0.8), material, 2), direction(0.8, 0.3)
@@ -47,7 +47,7 @@ def test_samples_follow_the_values(name, material):
 def test_solve_offers_no_samples():
     method = METHODS["solve"](Beckmann(1, 1), Conductor(), 1)
     for ask in (lambda: method.sample(direction(0.5), 3, RNG(0)), lambda: method.pdf(None, None)):
-        with pytest.raises(NotForThis, match="solve"):
+        with pytest.raises(UnsupportedError, match="solve"):
             ask()
 
 

@@ -21,7 +21,7 @@ def incident(theta, phi=0.0):
 
 def trace(surface, alpha, material, wi, n, seed=1):
     tally = Tally(4, independent=False)
-    tracer = Tracer(surface, *alpha, material, np.arctan2(wi[1], wi[0]))
+    tracer = Tracer(surface, surface.stretch(*alpha, np.arctan2(wi[1], wi[0])), material)
     for light in tracer.trace(wi, n, np.random.default_rng(seed), 1000):
         tally.add(light)
     return tally.as_unit()
@@ -52,9 +52,8 @@ def test_energy_with_absorption(material):
 def test_a_flat_surface_is_a_mirror():
     surface = Surface(np.zeros((16, 16)), 4)
     wi = incident(0.9, 1.1)
-    for light in Tracer(surface, 1.0, 1.0, Conductor()).trace(
-        wi, 1000, np.random.default_rng(0), 5
-    ):
+    tracer = Tracer(surface, surface.stretch(1.0, 1.0), Conductor())
+    for light in tracer.trace(wi, 1000, np.random.default_rng(0), 5):
         assert light.order == 1
         np.testing.assert_allclose(light.w, np.array([[-wi[0]], [-wi[1]], [wi[2]]]) * np.ones(1000))
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from msbsdf_cli.methods.protocol import Method, NotForThis
+from msbsdf_cli.methods.protocol import Method, UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.single import phase_density
 from msbsdf_cli.smith.albedo import first_order_albedo
@@ -69,7 +69,7 @@ def made(c: Configuration) -> Method | None:
     """The configuration's method, or None where it does not hold or is not there."""
     try:
         method: Method = METHODS[c.method](c.distribution(), c.facets(), ORDERS)
-    except (NotForThis, KeyError):
+    except (UnsupportedError, KeyError):
         return None
     return method
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.parallel import Progress, in_order
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.studies.identities import (
     bsdf,
     explicit,
@@ -24,6 +23,7 @@ from msbsdf_cli.studies.identities import (
 from msbsdf_cli.studies.identities.configurations import Configuration
 from msbsdf_cli.studies.identities.identity import Identity
 from msbsdf_cli.studies.identities.verdicts import Finding
+from surfaces.streams import stream
 
 SECTIONS = (
     intersection,

@@ -15,13 +15,13 @@ from msbsdf_cli.methods.position_free import PositionFreeCorrelated
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.report.directory import Table
-from msbsdf_cli.run.streams import seed_sequence
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.studies.tradeoff.corners import ALPHAS
 from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.errors import inner_products
 from msbsdf_cli.studies.tradeoff.measuring import timed
 from surfaces.facet import Array
+from surfaces.streams import seed_sequence
 
 LIGHT = 0.7
 """Polar angle of the light in radians; the paper does not give its own."""

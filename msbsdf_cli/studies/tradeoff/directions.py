@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.methods.single import Single, phase_density
-from msbsdf_cli.run.streams import seed_sequence
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.quasirandom import QuasiRandom
 from surfaces.facet import Array
+from surfaces.streams import seed_sequence
 
 EVERYWHERE = 0.5
 """Share of the directions that are spread evenly over solid angle; the others follow the lobe, so

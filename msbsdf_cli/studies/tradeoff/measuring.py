@@ -10,11 +10,11 @@ from msbsdf_cli.methods.directions import Holds
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.run.streams import generator, seed_sequence, stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.quasirandom import QuasiRandom, evaluate_quasirandom
 from surfaces.facet import Array
+from surfaces.streams import generator, seed_sequence, stream
 
 RESOLUTIONS = (0.1, 0.15, 0.2, 0.3)
 """Settings of `solve`, from errors that walks can reach to ones that they cannot."""

@@ -7,9 +7,9 @@ from scipy.stats import qmc
 
 from msbsdf_cli.methods.estimate import BATCH_VALUES
 from msbsdf_cli.methods.protocol import Method
-from msbsdf_cli.run.streams import generator
 from msbsdf_cli.smith.walk import BLOCK
 from surfaces.facet import Array
+from surfaces.streams import generator
 
 DIMENSIONS = 12
 """Coordinates of a point: a path draws 3 to 7 numbers at its first facet, and some methods keep all

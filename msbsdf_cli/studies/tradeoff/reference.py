@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msbsdf_cli.methods.protocol import NotForThis
+from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.errors import inner_products, taken_apart
 from surfaces.facet import Array
+from surfaces.streams import stream
 
 RESOLUTIONS = (0.5, 0.7, 1.0)
 """Of `solve`, tried in turn; 1 is what the method itself takes for enough. The coarser solution
@@ -56,7 +56,7 @@ def reference(
     started = time.perf_counter()
     try:
         found = _solved(scene, lobes)
-    except NotForThis:
+    except UnsupportedError:
         return _by_chance(scene, lobes, MORE_WALKS * samples, seed, purpose)
     if max(found.noise) < TOLERABLE:
         return found

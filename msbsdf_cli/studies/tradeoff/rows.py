@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from msbsdf_cli.report.directory import Table, columns
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.errors import accuracy, root
 from msbsdf_cli.studies.tradeoff.fits import pareto, rank_stability, slope
 from msbsdf_cli.studies.tradeoff.measuring import Quartiles, Series, quartiles
 from msbsdf_cli.studies.tradeoff.reference import Reference
 from msbsdf_cli.studies.tradeoff.world import MODEL_OF, MODELS, Distance, World, grouped_noise
+from surfaces.streams import stream
 
 NAN = float("nan")
 

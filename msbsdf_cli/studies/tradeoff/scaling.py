@@ -8,7 +8,6 @@ from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.parallel import in_order
 from msbsdf_cli.report.directory import Table, columns
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.measuring import (
@@ -19,6 +18,7 @@ from msbsdf_cli.studies.tradeoff.measuring import (
     quartiles,
 )
 from msbsdf_cli.studies.tradeoff.rows import Row
+from surfaces.streams import stream
 
 ORDERS = (1, 2, 4, 8)
 REPEATS = 5

@@ -12,12 +12,12 @@ import numpy as np
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.parallel import Progress, in_order
-from msbsdf_cli.run.streams import stream
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.simulating import Resolution, SurfaceJob, trace_surface
 from msbsdf_cli.studies.tradeoff.errors import jackknife, root
 from msbsdf_cli.tally import PHI_BINS, THETA_BINS, lobe_axes, lobe_bin
 from surfaces.facet import Array
+from surfaces.streams import stream
 
 MERGED = 3
 """Bins of a lobe merged each way: 9 degrees by 18, so that some light is in each."""

@@ -10,8 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from msbsdf_cli.cli import group
-from msbsdf_cli.run import streams
 from msbsdf_cli.studies.identities.suite import IDENTITIES, name, plan
+from surfaces import streams
 
 ROOT = Path(__file__).parents[2]
 SURFACES = ["--cells", "4", "--extent", "8", "--realisations", "3", "--samples", "600"]

@@ -1,0 +1,1 @@
+"""Experiments: settings in, result out; they know no option, no path and no picture."""

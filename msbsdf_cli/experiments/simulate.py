@@ -1,0 +1,63 @@
+"""Light traced on one heightfield for one incident direction."""
+
+import numpy as np
+
+from msbsdf_cli.checks import count, direction_in
+from msbsdf_cli.model import described
+from msbsdf_cli.results import Result
+from msbsdf_cli.tally import Tally
+from surfaces.facet import Array
+from surfaces.field import HeightField
+from surfaces.materials import Material
+from surfaces.streams import stream
+from surfaces.tracing import Tracer
+
+PIECES = 16
+"""Pieces of the surface, squares of a quarter of its sides, whose scatter tells the error: known
+to a fifth. They are independent as far as a quarter of a side is long against the bumps."""
+
+
+def simulate(
+    field: HeightField,
+    material: Material,
+    wi: Array,
+    rays: float = 1_000_000,
+    seed: int = 0,
+    orders: int = 4,
+    max_order: int = 10_000,
+) -> Result:
+    """Trace `rays` rays from the unit vector `wi` (3,), z > 0, on a field that goes on and on.
+
+    Standard errors are over 16 pieces of the surface, so that they say how far another piece of
+    the same kind of surface may be off, and not the noise of the rays alone. What is still under
+    way after `max_order` facets, and rays that are lost, count as unresolved. Raises ValueError
+    for what is out of range.
+    """
+    wi = direction_in(wi).astype(float)
+    rays, orders = count(rays, "rays"), count(orders, "orders")
+    seed, max_order = count(seed, "seed", 0), count(max_order, "max_order")
+    phi = float(np.arctan2(wi[1], wi[0]))
+    tracer = Tracer(field.surface, field.stretch(phi), material)
+    each = -(-rays // PIECES)
+    tallies = []
+    for piece in range(PIECES):
+        tally = Tally(orders, independent=False)
+        rng = stream(seed, "rays", piece, 0)
+        for light in tracer.trace(wi, each, rng, max_order, (piece, PIECES)):
+            tally.add(light)
+        tallies.append(tally)
+    settings = {
+        "surface": field.fingerprint(),
+        "material": described(material),
+        "wi": wi.tolist(),
+        "orders": orders,
+        "max_order": max_order,
+    }
+    return Result(
+        "simulate",
+        settings,
+        (seed,),
+        np.array([t.sums[0] for t in tallies]),
+        np.array([t.rays for t in tallies]),
+        sum(t.facets for t in tallies),
+    )

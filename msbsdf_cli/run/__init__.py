@@ -1,1 +1,0 @@
-"""How work is run: named random streams."""
