@@ -130,7 +130,8 @@ class Result:
 def load(path: str | Path) -> Result:
     """A result that `Result.save` wrote. Raises ValueError for a file that is none."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # Opened here, so that it is closed whatever numpy makes of it.
+        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             about = json.loads(str(file["about"]))
             sums, rays = file["sums"], file["rays"]
         if about["format"] != FORMAT:

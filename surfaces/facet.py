@@ -45,21 +45,28 @@ def fresnel_dielectric(cos_i: Array, eta: Array | float) -> tuple[Array, Array]:
     return (r_s * r_s + r_p * r_p) / 2, cos_t
 
 
-def fresnel_conductor(cos_i: Array, eta: Array | float, k: Array | float) -> Array:
-    """Fresnel reflectance of unpolarised light off a metal of complex index eta + i k.
+def absorptance_conductor(cos_i: Array, eta: Array | float, k: Array | float) -> Array:
+    """Share of unpolarised light that a metal of complex index eta + i k absorbs: 1 less the
+    Fresnel reflectance, and to nearly all digits however little it is.
 
-    Exact, in real arithmetic: with a^2 + b^2 = |(eta + i k)^2 - sin^2|
-    (Born & Wolf, Principles of Optics, 14.2).
+    Exact, in real arithmetic: with (a + i b)^2 = (eta + i k)^2 - sin^2 (Born & Wolf, Principles of
+    Optics, 14.2) s-polarised light reflects (M - X) / (M + X), and p-polarised light that times
+    (P - X sin^2) / (P + X sin^2), where M, X and P are as below. Their mean, taken from 1, is a
+    fraction of terms of one sign.
     """
     cos2 = cos_i * cos_i
     sin2 = 1 - cos2
+    product = eta * k
     real = eta * eta - k * k - sin2
-    modulus = np.sqrt(real * real + 4 * eta * eta * k * k)
-    a = np.sqrt((modulus + real) / 2)
-    r_s = (modulus + cos2 - 2 * a * cos_i) / (modulus + cos2 + 2 * a * cos_i)
-    p = cos2 * modulus + sin2 * sin2
-    q = 2 * a * cos_i * sin2
-    return r_s * (1 + (p - q) / (p + q)) / 2
+    modulus = np.sqrt(real * real + 4 * product * product)
+    # a b = eta k gives the smaller of the two without a difference. Both are 0 only without
+    # absorption, at the critical angle.
+    larger = np.sqrt((modulus + np.abs(real)) / 2)
+    smaller = product / np.maximum(larger, np.finfo(cos_i.dtype).tiny)
+    X = 2 * cos_i * np.where(real > 0, larger, smaller)
+    sum_ = modulus + cos2 + X
+    P = cos2 * modulus + sin2 * sin2
+    return X * (2 * P + sin2 * sum_) / (sum_ * (P + X * sin2))
 
 
 def lambertian(m: Array, n: int, rng: np.random.Generator) -> Array:

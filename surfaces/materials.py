@@ -11,8 +11,8 @@ import numpy as np
 
 from surfaces.facet import (
     Array,
+    absorptance_conductor,
     dot,
-    fresnel_conductor,
     fresnel_dielectric,
     lambertian,
     reflect,
@@ -25,7 +25,8 @@ class Scattered(NamedTuple):
     d: Array
     """Directions of travel, (3, n)."""
     gain: Array | None = None
-    """Share of the energy that is kept in each channel, (channels, n); None: all of it."""
+    """Share of the energy that is kept in each channel, (channels, n), in double precision whatever
+    that of the directions; None: all of it."""
     transmitted: Array | None = None
     """Whether the light went behind the facet, (n,) of bool; None: never."""
 
@@ -72,9 +73,12 @@ class Conductor:
         return max(len(self.eta_k), 1)
 
     def fresnel(self, cos_i: Array) -> Array:
-        """Reflectance (channels, n) for cosines (n,) of incidence; only where light is absorbed."""
+        """Reflectance (channels, n) for cosines (n,) of incidence; only where light is absorbed.
+
+        In double precision always: what was absorbed is what a weight lacks of 1.
+        """
         eta, k = np.array(self.eta_k, cos_i.dtype).T[..., None]
-        return fresnel_conductor(cos_i, eta, k)
+        return 1 - absorptance_conductor(cos_i, eta, k).astype(float, copy=False)
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
@@ -108,7 +112,7 @@ class Diffuse:
         out = lambertian(m * (1 / np.sqrt(dot(m, m))), n, rng)
         if not self.absorbs:
             return Scattered(out)
-        return Scattered(out, gain=np.array(self.albedo, m.dtype)[:, None])
+        return Scattered(out, gain=np.array(self.albedo)[:, None])
 
 
 @dataclass(frozen=True)

@@ -13,49 +13,78 @@ from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, fresnel_dielectric, unit_circle
 from surfaces.materials import Conductor, Dielectric, Material
 
-POLAR_NODES = 33
-AZIMUTHS = 7
-"""Nodes of the albedo table from the zenith to the horizon and over a quarter turn; cubic splines
-between them are right to 3e-4 for conductors, and to 5e-3 for dielectrics near grazing."""
+POLAR_NODES = 49
+AZIMUTHS = 25
+"""Nodes of the albedo table from the zenith to the horizon and over a quarter turn."""
+
+DENSER = 4.0
+"""Nodes in the polar angle's coordinate s lie at sinh(DENSER u), u evenly spaced: so much denser
+towards the zenith, where albedos change with the Fresnel reflectance and the roughness, than
+towards the horizon, where they change as slowly as the logarithm of the cosine."""
+
+LOWEST = float(np.cos(np.nextafter(np.pi / 2, 0)))
+"""Cosine of the last float below pi / 2, where the table ends; what lies lower counts as there."""
+
+CHECKS = 32
+"""Directions off the nodes at which a table is held against the quadrature."""
+CHECKED = 6.0
+"""Up to this s, a cosine of 0.005, since the table is smoothest beyond."""
+
+MEAN_NODES = 33
+"""Nodes in the squared cosine of means over the cosine."""
 
 
 class Albedo:
-    """A table of first-order albedos E over directions, and their mean over the cosine."""
+    """A table of first-order albedos E over directions, and their mean over the cosine.
+
+    Towards the horizon light meets facets under ever the same angles, while Lambda still grows as
+    the tangent: what glass lets through goes with a small power of it, so that E keeps changing
+    all the way down. In s = asinh(tan(theta)), an angle at the zenith and the logarithm of Lambda
+    at the horizon, it is smooth. The azimuth's coordinate is that of the direction
+    stretched by the roots of the roughnesses, half way between the directions and the slopes.
+    """
 
     def __init__(self, slopes: Slopes, material: Material, inside: bool) -> None:
-        theta = np.linspace(0, np.pi / 2, POLAR_NODES)
-        # At the horizon itself all facets that are seen are seen edge-on.
-        theta[-1] -= 1e-6
-        phi = np.linspace(0, np.pi / 2, AZIMUTHS)
-        if slopes.alpha_x == slopes.alpha_y:
-            first = self._column(slopes, material, theta, np.zeros_like(theta), inside)
-            table = np.repeat(first[:, None], AZIMUTHS, axis=1)
-        else:
-            columns = [
-                self._column(slopes, material, theta, np.full_like(theta, p), inside) for p in phi
-            ]
-            table = np.stack(columns, axis=1)
-        self.spline = RectBivariateSpline(theta, phi, table)
-        x, weight = np.polynomial.legendre.leggauss(POLAR_NODES)
-        cos2 = (1 + x) / 2
-        mean = [
-            (weight / 2 * self.spline.ev(np.arccos(np.sqrt(cos2)), np.full_like(x, p))).sum()
-            for p in (np.arange(AZIMUTHS) + 0.5) * np.pi / (2 * AZIMUTHS)
+        self.squeeze = np.sqrt(slopes.alpha_y / slopes.alpha_x)
+        one = slopes.alpha_x == slopes.alpha_y
+        u = np.linspace(0, 1, POLAR_NODES)
+        s = np.arcsinh(1 / LOWEST) * np.sinh(DENSER * u) / np.sinh(DENSER)
+        azimuth = np.linspace(0, np.pi / 2, AZIMUTHS)
+        columns = [
+            first_order_albedo(slopes, material, self._direction(s, beta), inside)
+            for beta in azimuth[: 1 if one else None]
         ]
-        self.mean = float(np.mean(mean))
+        table = np.broadcast_to(np.stack(columns, axis=1), (POLAR_NODES, AZIMUTHS))
+        self.spline = RectBivariateSpline(s, azimuth, table)
+        self.mean = self._cosine_mean()
+        self.error = self._error(slopes, material, inside)
+        """Greatest difference from the quadrature, at directions that are no nodes."""
 
     def __call__(self, w: Array) -> Array:
         """E for directions (3, n) with z >= 0."""
-        theta = np.arctan2(np.hypot(w[0], w[1]), w[2])
-        return np.asarray(self.spline.ev(theta, np.arctan2(np.abs(w[1]), np.abs(w[0]))))
+        s = np.arcsinh(np.hypot(w[0], w[1]) / np.maximum(w[2], LOWEST))
+        return np.asarray(self.spline.ev(s, np.arctan2(self.squeeze * np.abs(w[1]), np.abs(w[0]))))
 
-    @staticmethod
-    def _column(
-        slopes: Slopes, material: Material, theta: Array, phi: Array, inside: bool
-    ) -> Array:
-        s = np.sin(theta)
-        w = np.stack([s * np.cos(phi), s * np.sin(phi), np.cos(theta)])
-        return first_order_albedo(slopes, material, w, inside)
+    def _direction(self, s: Array, azimuth: Array | float) -> Array:
+        """The unit vectors (3, n) of places in the table."""
+        x, y = self.squeeze * np.cos(azimuth), np.sin(azimuth)
+        radius = np.tanh(s) / np.hypot(x, y)
+        return np.stack([radius * x, radius * y, 1 / np.cosh(s)])
+
+    def _cosine_mean(self) -> float:
+        x, weight = np.polynomial.legendre.leggauss(MEAN_NODES)
+        cos2, weight = np.repeat((1 + x) / 2, AZIMUTHS), np.repeat(weight / 2, AZIMUTHS)
+        phi = np.tile((np.arange(AZIMUTHS) + 0.5) * np.pi / (2 * AZIMUTHS), MEAN_NODES)
+        sin = np.sqrt(1 - cos2)
+        E = self(np.stack([sin * np.cos(phi), sin * np.sin(phi), np.sqrt(cos2)]))
+        return float((weight * E).sum() / AZIMUTHS)
+
+    def _error(self, slopes: Slopes, material: Material, inside: bool) -> float:
+        k = np.arange(CHECKS) + 0.5
+        # Multiples of the golden ratio fall evenly and never on a node.
+        golden = np.mod(k * (np.sqrt(5) - 1) / 2, 1)
+        w = self._direction(CHECKED * k / CHECKS, np.pi / 2 * golden)
+        return float(np.abs(self(w) - first_order_albedo(slopes, material, w, inside)).max())
 
 
 class EnergyCompensated(Holds):
@@ -69,7 +98,8 @@ class EnergyCompensated(Holds):
     `variant` "turquin" (Turquin 2019, Practical Multiple Scattering Compensation for Microfacet
     Models): single scattering times F0 (1 - E_i) / E_i; conductors only, not reciprocal.
 
-    No noise: albedos come from a table made once, by quadrature.
+    No noise: albedos come from a table made once, by quadrature. Its error, which is that of the
+    energy, is stated as the standard error of the lobe.
     """
 
     name = "energy-compensated"
@@ -101,13 +131,15 @@ class EnergyCompensated(Holds):
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
         value = np.zeros((self.material.channels, self.orders + 1, out.n), wi.dtype)
+        stderr = np.zeros_like(value)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         if self.variant == "turquin":
             E_i = self.E(wi[:, None])
             value[:, -1] = value[:, 0] * self._at_normal_incidence()[:, None] * (1 - E_i) / E_i
         else:
             value[:, -1] = self._lobe(wi, out)
-        return Evaluation(value, np.zeros_like(value))
+            stderr[:, -1] = self.E.error * self._shape(out)
+        return Evaluation(value, stderr)
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """The first facet by visible normals, or a cosine lobe, as their energies are; the weight
@@ -138,14 +170,16 @@ class EnergyCompensated(Holds):
 
     def _lobe(self, wi: Array, out: Exits) -> Array:
         """The compensation, BSDF x cos(theta_o), (channels, n)."""
-        lost = 1 - self.E(wi[:, None])
-        above = (1 - self.E(out.w)) / (1 - self.E.mean)
-        cosine = lost * out.w[2] / np.pi
+        return (1 - self.E(wi[:, None])) * self._shape(out)
+
+    def _shape(self, out: Exits) -> Array:
+        """The compensation for one unit of lost energy, per steradian, (channels, n)."""
+        cosine = out.w[2] / np.pi
+        above = (1 - self.E(out.w)) / (1 - self.E.mean) * cosine
         if not self.material.transmits:
-            return self._bounced_again()[:, None] * np.where(out.inside, 0, above * cosine)
-        below = (1 - self.E_inside(out.w)) / (1 - self.E_inside.mean)
-        share = np.where(out.inside, self.through * below, (1 - self.through) * above)
-        return (share * cosine)[None]
+            return self._bounced_again()[:, None] * np.where(out.inside, 0, above)
+        below = (1 - self.E_inside(out.w)) / (1 - self.E_inside.mean) * cosine
+        return np.where(out.inside, self.through * below, (1 - self.through) * above)[None]
 
     def _bounced_again(self) -> Array:
         """What of the lost energy a metal returns after more bounces, (channels,)."""
@@ -177,6 +211,6 @@ class EnergyCompensated(Holds):
 
 def _cosine_mean(fresnel: Callable[[Array], Array]) -> Array:
     """Mean reflectance (channels,) over the hemisphere, 2 times the integral of F cos dcos."""
-    x, weight = np.polynomial.legendre.leggauss(POLAR_NODES)
+    x, weight = np.polynomial.legendre.leggauss(MEAN_NODES)
     cos_i = (1 + x) / 2
     return (fresnel(cos_i) * weight * cos_i).sum(axis=-1)

@@ -5,6 +5,7 @@ the mean weight of its own sampler; what the method adds to it is integrated by 
 outgoing directions, with an estimate of the method's own noise in it. A method that knows its
 energy without adding up values is asked. The standard error is the spread of repetitions and, in
 quadrature, a bound on undersampling: rare bounces that none of them met are not in their spread.
+So is the error that a method without noise states of its values, which is no noise.
 """
 
 from dataclasses import dataclass, replace
@@ -105,10 +106,12 @@ def run_furnace(job: FurnaceJob) -> Albedos:
         walks = -(-job.samples // n)
         place = job.method, repr(scene.alpha), i
         streams = (stream(job.seed, "furnace", *place, repeat) for repeat in range(n))
-        repeats = np.array([_integrate(method, single, wi, walks, rng) for rng in streams])
-        spread = repeats.std(axis=0, ddof=1) / np.sqrt(n)
+        repeats = [_integrate(method, single, wi, walks, rng) for rng in streams]
+        mean, stated = np.moveaxis(np.array(repeats), 1, 0)
+        spread = mean.std(axis=0, ddof=1) / np.sqrt(n)
         unseen = _unseen(method, n * walks, n * FIRST, scene.orders)
-        rows.append([repeats.mean(axis=0), np.hypot(spread, unseen)])
+        stderr = np.sqrt(spread**2 + unseen**2 + stated.mean(axis=0) ** 2)
+        rows.append([mean.mean(axis=0), stderr])
     found: Array = np.array(rows).reshape(len(phis), len(scene.theta), 2, *np.shape(rows[0])[1:])
     value, stderr = np.moveaxis(found, 2, 0)
     return Albedos(job.method, scene.alpha, phis, value, stderr)
@@ -124,15 +127,18 @@ def azimuths(scene: Scene) -> tuple[float, ...]:
 
 def _integrate(
     method: Method, single: Single, wi: Array, walks: int, rng: np.random.Generator
-) -> Array:
-    """One repetition: albedos (channels, orders + 2)."""
+) -> tuple[Array, Array]:
+    """One repetition: albedos (channels, orders + 2), and what errors that a method without noise
+    states of its values come to, likewise."""
     first = single.sample(wi, FIRST, rng)[1].mean(axis=1)
     wo, share = _outgoing(single, wi, rng)
-    added = method.evaluate(wi, wo, walks, rng).value
+    found = method.evaluate(wi, wo, walks, rng)
+    added = found.value
     added[:, 0] -= first_order(single.slopes, single.material, wi, exits(single.slopes, wo))
     orders = added @ share
     orders[:, 0] += first
-    return _with_total(orders)
+    stated = found.stderr @ share if method.deterministic else np.zeros_like(orders)
+    return _with_total(orders), _with_total(stated)
 
 
 def _unseen(method: Method, walks: int, first: int, orders: int) -> Array:

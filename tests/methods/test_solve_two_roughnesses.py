@@ -7,7 +7,7 @@ import pytest
 
 from msbsdf_cli.commands import evaluate, furnace
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.smith.slopes import SLOPES
+from msbsdf_cli.smith.slopes import distribution
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
@@ -36,14 +36,14 @@ def walked(slopes, material, wi, n, orders):
 
 @pytest.mark.parametrize(("slopes", "alpha"), [("beckmann", (0.1, 1.0)), ("ggx", (1.0, 0.1))])
 def test_all_orders_of_a_mirror_sum_to_one(slopes, alpha):
-    fine = Solve(SLOPES[slopes](*alpha), Conductor(), 4).fine
+    fine = Solve(distribution(slopes)(*alpha), Conductor(), 4).fine
     total = [fine.energy(direction(*angles)).sum() for angles in ANGLES]
     np.testing.assert_allclose(total, 1, atol=5e-6)
 
 
 @pytest.mark.parametrize(("material", "n"), [(Conductor(), 200_000), (Dielectric(1.5), 400_000)])
 def test_grazing_orders_are_those_of_the_random_walk(material, n):
-    surface, wi = SLOPES["beckmann"](0.1, 1.0), direction(1.5)
+    surface, wi = distribution("beckmann")(0.1, 1.0), direction(1.5)
     mean, stderr = walked(surface, material, wi, n, 4)
     energy = Solve(surface, material, 4).fine.energy(wi)[0].sum(axis=0)
     assert np.all(np.abs(energy - mean) < 4.5 * stderr)
@@ -60,7 +60,7 @@ def test_grazing_orders_are_those_of_the_random_walk(material, n):
     ],
 )
 def test_stated_errors_of_energies_cover_the_true_ones(slopes, material, alpha, resolution, finer):
-    surface = SLOPES[slopes](*alpha)
+    surface = distribution(slopes)(*alpha)
     value, error = energies(Solve(surface, material, 4, resolution))
     truth = Solve(surface, material, 4, finer).fine
     expected = np.array([truth.energy(direction(*angles))[0].sum(axis=0) for angles in ANGLES])
@@ -70,7 +70,9 @@ def test_stated_errors_of_energies_cover_the_true_ones(slopes, material, alpha, 
 
 
 def test_stated_errors_answer_for_the_energy_that_is_missing():
-    value, error = energies(Solve(SLOPES["beckmann"](0.6, 0.3), Conductor(), 4, resolution=0.5))
+    value, error = energies(
+        Solve(distribution("beckmann")(0.6, 0.3), Conductor(), 4, resolution=0.5)
+    )
     missing = np.abs(1 - value.sum(axis=1))
     assert missing.max() > 1e-6
     assert np.all(error.sum(axis=1) >= missing * (1 - 1e-9))

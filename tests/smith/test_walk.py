@@ -189,3 +189,14 @@ def test_standard_errors_are_the_spread(rng):
     stated = np.array([e.stderr[:2, 0] for e in estimates]).mean(axis=0)
     # The spread of 60 is known to 1 / sqrt(2 * 59) = 9 %: 4 of these.
     np.testing.assert_allclose(values.std(axis=0, ddof=1), stated, rtol=0.37)
+
+
+@pytest.mark.parametrize("material", [Conductor(((0.001, 10.0),)), Diffuse((1 - 1e-6,))])
+def test_what_is_hardly_absorbed_is_counted_in_single_precision(material):
+    single, double = (
+        run(Beckmann(0.5, 0.5), material, 0.5, 50_000, dtype=dtype).estimate("absorbed")
+        for dtype in (np.float32, np.float64)
+    )
+    assert 0 < double.value < 1e-4
+    noise = np.hypot(single.stderr, double.stderr)
+    assert abs(single.value - double.value) < 5 * noise + 1e-6 * double.value

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from surfaces.facet import (
+    absorptance_conductor,
     dot,
-    fresnel_conductor,
     fresnel_dielectric,
     lambertian,
     reflect,
@@ -32,13 +32,13 @@ def test_fresnel_at_normal_incidence():
     assert cos_t[0] == 1
     n, k = 0.43, 2.455
     expected = ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)
-    assert fresnel_conductor(one, n, k)[0] == pytest.approx(expected, rel=1e-14)
+    assert Conductor(((n, k),)).fresnel(one)[0, 0] == pytest.approx(expected, rel=1e-14)
 
 
 def test_fresnel_conductor_without_absorption_is_the_dielectric():
     cos_i = np.linspace(1e-6, 1, 1000)
     np.testing.assert_allclose(
-        fresnel_conductor(cos_i, 1.7, 0.0), fresnel_dielectric(cos_i, 1.7)[0], rtol=1e-9
+        1 - absorptance_conductor(cos_i, 1.7, 0.0), fresnel_dielectric(cos_i, 1.7)[0], rtol=1e-9
     )
 
 
@@ -50,8 +50,46 @@ def test_fresnel_conductor_against_complex_arithmetic():
         r_p = (index * cos_i - cos_t) / (index * cos_i + cos_t)
         expected = (np.abs(r_s) ** 2 + np.abs(r_p) ** 2) / 2
         np.testing.assert_allclose(
-            fresnel_conductor(cos_i, index.real, index.imag), expected, rtol=1e-10
+            1 - absorptance_conductor(cos_i, index.real, index.imag), expected, rtol=1e-10
         )
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("n", [1e-4, 0.001, 0.9, 1.3, 40.0])
+@pytest.mark.parametrize("k", [1e-4, 0.5, 10.0, 300.0])
+def test_absorption_to_all_digits(n, k, dtype):
+    """Against 1 - |r|^2 in long arithmetic, also where 1 - F is below the rounding of F."""
+    cos_i = np.linspace(1e-3, 1, 200).astype(dtype)
+    n, k = float(dtype(n)), float(dtype(k))
+    c = cos_i.astype(np.longdouble)
+    g = np.sqrt(np.clongdouble(complex(n, k)) ** 2 - (1 - c) * (1 + c))
+    index2 = np.clongdouble(complex(n, k)) ** 2
+    # 1 - |(1 - z) / (1 + z)|^2 = 4 Re z / |1 + z|^2.
+    s, p = g / c, g / (index2 * c)
+    expected = sum(2 * z.real / np.abs(1 + z) ** 2 for z in (s, p))
+    absorbed = absorptance_conductor(cos_i, dtype(n), dtype(k))
+    assert absorbed.dtype == dtype
+    # n^2 - k^2 - sin^2 loses digits where it nearly vanishes, as for n near 1 at grazing.
+    np.testing.assert_allclose(absorbed, expected, rtol=200 * np.finfo(dtype).eps)
+
+
+def test_a_metal_that_hardly_absorbs_in_either_precision(rng):
+    for dtype in (np.float32, np.float64):
+        d, m = (a.astype(dtype) for a in facing_pairs(1000, rng))
+        gain = Conductor(((0.001, 10.0),)).scatter(d, m, None, rng).gain
+        cos_i = np.abs(dot(d, m)).astype(float)
+        expected = absorptance_conductor(cos_i, 0.001, 10.0)
+        np.testing.assert_allclose(
+            1 - gain[0], expected, rtol=1e-4 if dtype is np.float32 else 1e-9
+        )
+
+
+def test_no_absorption_at_the_critical_angle():
+    cos_c = np.sqrt(1 - 0.25)
+    for cos_i in (cos_c, np.nextafter(cos_c, 0), np.nextafter(cos_c, 1)):
+        absorbed = absorptance_conductor(np.array([cos_i]), 0.5, 0.0)
+        # Beyond, the refracted share grows with the root of the distance, that of rounding here.
+        assert 0 <= absorbed[0] < 1e-6
 
 
 def test_total_internal_reflection():

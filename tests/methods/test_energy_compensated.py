@@ -1,0 +1,48 @@
+"""`energy-compensated` returns all energy, down to the last angle above the horizon."""
+
+import numpy as np
+import pytest
+
+from msbsdf_cli.methods.energy_compensated import EnergyCompensated
+from msbsdf_cli.methods.single import Single
+from msbsdf_cli.scene import Scene, direction
+from msbsdf_cli.smith.albedo import first_order_albedo
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
+from msbsdf_cli.studies.furnace import FurnaceJob, run_furnace
+from surfaces.materials import Conductor, Dielectric
+
+LAST = float(np.nextafter(np.pi / 2, 0))
+THETA = (0.0, 1.0, 1.5, 1.55, 1.57, LAST)
+
+
+@pytest.mark.parametrize("alpha", [(0.1, 0.1), (0.3, 0.3), (0.5, 0.5), (1, 1), (1, 0.1)])
+@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
+@pytest.mark.parametrize("material", ["dielectric", "conductor"])
+def test_the_furnace_sees_all_energy(material, slopes, alpha):
+    scene = Scene(material, alpha, THETA, 0.3, slopes=slopes)
+    result = run_furnace(FurnaceJob(scene, "energy-compensated", 4096, 0, None))
+    albedo, stderr = result.value[0, :, 0, -1], result.stderr[0, :, 0, -1]
+    assert (stderr < 0.02).all()
+    assert (np.abs(albedo - 1) < 5 * stderr).all(), (albedo, stderr)
+
+
+@pytest.mark.parametrize("slopes", [Beckmann(0.5, 0.5), Ggx(0.3, 0.3), Ggx(1, 0.1)], ids=str)
+@pytest.mark.parametrize("material", [Conductor(), Dielectric(1.5)], ids=lambda m: m.name)
+def test_the_table_knows_its_error(slopes, material, rng):
+    """At directions of its own choosing, the table is off by no more than a few times that."""
+    E = EnergyCompensated(slopes, material, 1).E
+    w = np.stack([direction(t, p) for t, p in rng.uniform(0, [[1.57, np.pi]], (32, 2))], axis=1)
+    off = np.abs(E(w) - first_order_albedo(slopes, material, w)).max()
+    assert off <= 4 * E.error < 0.01
+    if slopes.alpha_x == slopes.alpha_y:
+        assert E.error < 1e-4
+
+
+@pytest.mark.parametrize("slopes", [Beckmann(0.5, 0.5), Ggx(0.5, 0.5)], ids=str)
+def test_first_order_albedo_at_grazing_is_that_of_samples(slopes, rng):
+    for material in (Conductor(), Dielectric(1.5)):
+        for theta in (1.5, 1.57, LAST):
+            wi = direction(theta, 0)
+            weight = Single(slopes, material, 1).sample(wi, 200_000, rng)[1][0]
+            error = weight.mean() - first_order_albedo(slopes, material, wi[:, None])[0]
+            assert abs(error) < 4 * weight.std() / np.sqrt(weight.size) + 1e-5
