@@ -61,7 +61,7 @@ class Solve(Holds):
         """`resolution` multiplies the number of nodes in each angle and in height. At 1, energies
         of conductors and diffuse facets are right to 1e-6 (roughness 0.1 to 10), and those of
         dielectrics to some 1e-6; of roughness 0.1,1 up to theta 1.57, mirrors and diffuse facets to
-        5e-6, glass to 2e-5 (Beckmann) and 2e-4 (GGX). At 2 dielectrics of one roughness are right
+        5e-6, glass to 2e-5 (Beckmann) and 3e-4 (GGX). At 2 dielectrics of one roughness are right
         to 3e-7. Towards grazing angles lobes of narrow roughness are narrower than the nodes, and
         directional values there are less accurate: `stderr` shows it.
         """

@@ -153,7 +153,7 @@ class TwoSides:
         d, _ = self.directions.distinct(-wi[:, None])
         sigma = self.slopes.sigma(d)
         # A single row, on which all else rests, and so at no cost a finer one.
-        rows = self.rows(d, 0, finer=8)
+        rows = self.rows(d, 0, finer=6)
         h = self.heights.arrive(sigma / wi[2])[0]
         outside = h[:, None] * rows.reflected / sigma
         inside = h[::-1, None] * rows.transmitted / sigma
