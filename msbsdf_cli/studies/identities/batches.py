@@ -26,6 +26,15 @@ def of_two(one: Array, two: Array, slack: float = 0.0, because: str = "") -> Mea
     return Mean(a, b, float(np.sqrt(variance)), float(df), slack, because, skewness)
 
 
+def of_pairs(one: Array, two: Array, slack: float = 0.0, because: str = "") -> Mean:
+    """The means of two figures of the same independent trials (k,), `one` in the place of the
+    expected: what they have in common is no noise of their difference."""
+    difference, variance, third = mean_of(two - one)
+    stderr, skewness = float(np.sqrt(variance)), _skewness(variance, third)
+    expected = float(one.mean())
+    return Mean(expected, expected + difference, stderr, one.size - 1, slack, because, skewness)
+
+
 def mean_of(batches: Array) -> tuple[float, float, float]:
     """Mean of independent batches (k,), its variance and its third central moment; of a single
     batch, which has no noise, these are 0."""

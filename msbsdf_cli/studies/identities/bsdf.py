@@ -220,6 +220,6 @@ def drawn(rng: np.random.Generator) -> Configuration:
 
 
 IDENTITIES = (
-    Identity(energy_and_samples, hard, drawn, draws=18, thin=2, share=3.0, cost=8),
+    Identity(energy_and_samples, hard, drawn, draws=18, thin=4, share=3.0, cost=8),
     Identity(first_order, hard, drawn, draws=24, thin=4, share=0.05, cost=1),
 )

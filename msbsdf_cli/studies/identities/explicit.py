@@ -109,4 +109,4 @@ def hard() -> list[Configuration]:
     ]
 
 
-IDENTITIES = (Identity(on_surfaces, hard, thin=4, share=0.1, cost=4),)
+IDENTITIES = (Identity(on_surfaces, hard, thin=5, share=0.1, cost=4),)

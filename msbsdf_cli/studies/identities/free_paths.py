@@ -7,9 +7,11 @@ import numpy as np
 from scipy import stats
 
 from msbsdf_cli.methods.directions import exits
+from msbsdf_cli.methods.forced import forced_free_path
 from msbsdf_cli.methods.walk import escape
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.walk import exponential, free_path
+from msbsdf_cli.studies.identities.batches import of_pairs
 from msbsdf_cli.studies.identities.configurations import (
     Configuration,
     hard_anywhere,
@@ -17,7 +19,7 @@ from msbsdf_cli.studies.identities.configurations import (
 )
 from msbsdf_cli.studies.identities.evidence import ChiSquare, Exact, Share
 from msbsdf_cli.studies.identities.identity import Identity
-from msbsdf_cli.studies.identities.reference import AREA_ERROR, projected_area
+from msbsdf_cli.studies.identities.reference import AREA_ERROR, SEEN, projected_area
 from msbsdf_cli.studies.identities.verdicts import Finding
 from surfaces.facet import Array
 
@@ -34,6 +36,9 @@ NODES = 24
 
 LEVEL = 1e-6
 """Cosine below which a ray counts as level: rounding of the cosine would show in its Lambda."""
+
+LEAST_MET = 1000
+"""Facets met below which their number is too skewed for a mean to be judged by its scatter."""
 
 STEP = 1e-4
 """Of the central differences in height; their error is STEP^2 times a third derivative."""
@@ -109,6 +114,34 @@ def distribution(c: Configuration, n: int, rng: np.random.Generator) -> Iterator
     statistic = ChiSquare.of_counts(counts, n * np.append(shares, dirac))
     if statistic is not None:
         yield Finding("free path, distribution", SECTION + "25-30", c, statistic)
+
+
+def optical_depth(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
+    """One facet is met in every unit of optical depth, the integral of the extinction coefficient
+    along a ray (Eqs. 19 to 25), wherever rays start and whether or not they leave.
+
+    Facets met less depth passed has the mean 0 and no free parameter. So it tells a wrong length of
+    all free paths from a tenth of the rays that a test of 40 bins would need. Forced free paths
+    count the chance of their facet for it.
+    """
+    d = c.i
+    area = projected_area(c, -d)
+    if abs(d[2, 0]) < LEVEL or area < SEEN:
+        return
+    extinction = area / float(d[2, 0])
+    # From a height above C1 = U, facets are met by Lambda / (1 + Lambda) of the rays that go up.
+    if d[2, 0] > 0 and n * extinction / (1 + extinction) < LEAST_MET:
+        return
+    sigma = c.distribution().sigma(d)
+    t = rng.exponential(size=n)
+    leaves, t_next = free_path(t, d, sigma, exponential(n, rng, np.float64))
+    forced, chance = forced_free_path(t, d, sigma, rng)
+    for name, met, facet in (("", (~leaves).astype(float), t_next), (", forced", chance, forced)):
+        left = np.where(met < 1, (1 - met) * t, 0)
+        depth = extinction * (met * (t - facet) + left)
+        slack = 10 * AREA_ERROR * float(depth.mean())
+        evidence = of_pairs(met, depth, slack, "error of the integral over slopes")
+        yield Finding(f"free path, optical depth{name}", SECTION + "19-25", c, evidence)
 
 
 def visible_heights(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
@@ -201,6 +234,9 @@ def _always(name: str, c: Configuration, rule: Array) -> Finding:
 IDENTITIES = (
     Identity(extinction, hard_anywhere, random_anywhere, draws=8, cost=0.1),
     Identity(distribution, hard_anywhere, random_anywhere, draws=6, share=0.5),
+    Identity(
+        optical_depth, hard_anywhere, random_anywhere, draws=6, thin=2, share=0.5, least=500_000
+    ),
     Identity(visible_heights, hard_anywhere, random_anywhere, draws=6, share=0.5),
     Identity(table_3, hard_anywhere, random_anywhere, draws=4, cost=0.1),
 )

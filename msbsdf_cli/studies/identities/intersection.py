@@ -22,6 +22,10 @@ from surfaces.facet import Array
 BLOCK = 1 << 17
 """Trials drawn at once."""
 
+LEAST = 1_000_000
+"""Trials that tell a Lambda that is 1 % off: the chance to leave is (1 + Lambda)^-1, and such an
+error moves it by up to .0025, five standard errors and in transmission six to seven."""
+
 SLACK = "error of the integral over slopes behind Lambda"
 
 
@@ -103,6 +107,6 @@ def _finding(
 
 
 IDENTITIES = tuple(
-    Identity(measure, hard_above, random_above, draws=6)
+    Identity(measure, hard_above, random_above, draws=6, least=LEAST)
     for measure in (masking, masking_shadowing, shadowing_given_masking)
 )

@@ -134,5 +134,5 @@ def not_reciprocal() -> list[Configuration]:
 
 IDENTITIES = (
     Identity(reciprocity, hard, drawn, draws=18, thin=4, share=0.1, least=10_000, cost=3),
-    Identity(failing, not_reciprocal, share=0.5, least=20_000, cost=3),
+    Identity(failing, not_reciprocal, thin=3, share=0.5, least=20_000, cost=3),
 )

@@ -2,15 +2,19 @@
 random walk against it, order by order, [HHdD16 impl.] 4.4."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.studies.identities import reference
+from msbsdf_cli.studies.identities.batches import of_batches
 from msbsdf_cli.studies.identities.configurations import GRAZING, Configuration
 from msbsdf_cli.studies.identities.evidence import ChiSquare, Exact
 from msbsdf_cli.studies.identities.identity import Identity
+from msbsdf_cli.studies.identities.phase import BATCHES
 from msbsdf_cli.studies.identities.verdicts import Finding
 from surfaces.facet import Array
 
@@ -18,6 +22,20 @@ ORDERS = 4
 
 ROUNDING = 1e-6
 """Relative, of closed forms of the first order, as for the other methods."""
+
+BEYOND = (2.0, 3.44)
+"""Polar angle and azimuth of a direction beyond the surface: so near the horizon that the two sides
+differ most."""
+
+LATER = (2, 3)
+"""Orders compared there: the first has its closed form."""
+
+ROUGH = 1.0
+"""Roughness from which walks see later orders often. On smoother surfaces these are rare and
+bright, and the scatter of walks that have not met them says nothing of their error."""
+
+LEAST_WALKS, WALK_COST = 100_000, 8
+"""Walks of each method, at least; and walks without next events in the time of one with them."""
 
 OWN = "the method's own estimate of its error, from two resolutions, and rounding"
 
@@ -41,10 +59,30 @@ def solved(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Findi
         slack = float(there_error[0]) + ROUNDING * closed
         evidence = Exact(closed, float(there[0]), slack, OWN)
         yield Finding("first order, without noise", "4.4.3", c, evidence)
+    if c.material == "dielectric" and min(c.alpha) >= ROUGH:
+        yield from _towards(c, method, n, rng)
     counts = _walked(c, n, rng)
     orders = ChiSquare.of_counts(counts.ravel(), n * sides.ravel(), "orders and sides")
     if orders is not None:
         yield Finding("energies of orders, walk against solve", "4.4.1", c, orders)
+
+
+def _towards(
+    c: Configuration, solution: Solve, n: int, rng: np.random.Generator
+) -> Iterator[Finding]:
+    """Orders of the walks towards a direction beyond the surface, where next events from within
+    and from without have to know the side, against the solution."""
+    c = replace(c, wo=BEYOND)
+    wanted, error = _value(solution, c.i, c.o)
+    size = max(n // WALK_COST, LEAST_WALKS) // BATCHES
+    for name in ("walk", "walk-low-variance"):
+        method = METHODS[name](c.distribution(), c.facets(), ORDERS)
+        runs = [method.evaluate(c.i[:, 0], c.o, size, rng).value[0, :, 0] for _ in range(BATCHES)]
+        for k in LATER:
+            batches = np.array([run[k - 1] for run in runs])
+            evidence = of_batches(float(wanted[k - 1]), batches, float(error[k - 1]), OWN)
+            where = replace(c, method=name)
+            yield Finding(f"order {k} through facets, against solve", "4.4", where, evidence)
 
 
 def _value(method: Solve, wi: Array, wo: Array) -> tuple[Array, Array]:

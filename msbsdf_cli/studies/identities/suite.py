@@ -14,6 +14,7 @@ from msbsdf_cli.studies.identities import (
     height_walk,
     histogram,
     intersection,
+    one_way,
     phase,
     position_free,
     reciprocity,
@@ -28,6 +29,7 @@ from surfaces.streams import stream
 SECTIONS = (
     intersection,
     free_paths,
+    one_way,
     visible_normals,
     phase,
     bsdf,

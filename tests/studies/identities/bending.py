@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from msbsdf_cli.methods import walk
+from msbsdf_cli.methods import forced, walk
 from msbsdf_cli.methods.energy_compensated import EnergyCompensated
 from msbsdf_cli.smith import kernel
 from msbsdf_cli.smith import walk as smith_walk
@@ -73,6 +73,46 @@ def lose_sign(monkeypatch):
     for module in (intersection, free_paths, height_walk, smith_walk):
         if hasattr(module, "free_path"):
             monkeypatch.setattr(module, "free_path", bent)
+
+
+def long_free_paths(monkeypatch):
+    """All free paths 1 % too long."""
+    right = smith_walk.free_path
+
+    def bent(t, d, sigma, E):
+        return right(t, d, sigma, 1.01 * E)
+
+    for module in (intersection, free_paths, smith_walk):
+        monkeypatch.setattr(module, "free_path", bent)
+
+
+def start_below_the_top(monkeypatch):
+    """Walks that arrive at t = 1e-3 instead of 0."""
+    right = smith_walk._arrive
+
+    def bent(*args):
+        lanes = right(*args)
+        lanes.t = lanes.t + 1e-3
+        return lanes
+
+    monkeypatch.setattr(smith_walk, "_arrive", bent)
+
+
+def next_events_on_one_side(monkeypatch):
+    """Next events towards the other side of a dielectric look from the same t."""
+    for module in (walk, forced):
+        monkeypatch.setattr(module, "escape", lambda t, inside, out: walk._escape(t, out.Lambda))
+
+
+def lambda_of_masking(monkeypatch):
+    """Lambda 1 % too large where masking is measured, and nowhere else."""
+
+    def bent(c, t, w, rng):
+        sigma = 1.01 * c.distribution().sigma(w)
+        E = smith_walk.exponential(t.size, rng, float)
+        return smith_walk.free_path(t, w, sigma, E)[0]
+
+    monkeypatch.setattr(intersection, "leaves", bent)
 
 
 def flip_nothing(monkeypatch):

@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from identities.bending import ABOVE, assert_turns, bend_lambda, each, flip_nothing, lose_sign
+from identities.bending import (
+    ABOVE,
+    assert_turns,
+    bend_lambda,
+    each,
+    flip_nothing,
+    lose_sign,
+)
 from msbsdf_cli.methods import walk
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.studies.identities import intersection
