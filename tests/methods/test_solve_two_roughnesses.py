@@ -80,7 +80,7 @@ def test_stated_errors_answer_for_the_energy_that_is_missing():
 
 def test_large_stated_errors_are_warned_of():
     stderr = np.array([[[1e-5, 3e-3, 3e-3]], [[1e-5, 1e-4, 1e-4]]])
-    albedos = SimpleNamespace(method="solve", alpha=(0.1, 1.0), stderr=stderr)
+    albedos = SimpleNamespace(method="solve", alpha=(0.1, 1.0), stderr=stderr[None])
     found = furnace.hardly_known(SimpleNamespace(theta=(1.5, 0.5)), [albedos])
     assert found == [
         "method solve knows the energies of alpha 0.1,1 at theta 1.5 to 0.003 only; "

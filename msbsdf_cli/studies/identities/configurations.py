@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.scene import direction
-from msbsdf_cli.smith.slopes import Slopes, distribution
+from msbsdf_cli.smith.slopes import NAMES, Slopes, distribution
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
@@ -65,7 +65,7 @@ def random_slopes(rng: np.random.Generator) -> tuple[str, tuple[float, float]]:
     """A distribution and its roughness along either axis, uniform in the logarithm."""
     low, high = np.log(ROUGHNESS)
     alpha_x, alpha_y = np.exp(rng.uniform(low, high, 2))
-    return str(rng.choice(["beckmann", "ggx"])), (float(alpha_x), float(alpha_y))
+    return str(rng.choice(NAMES)), (float(alpha_x), float(alpha_y))
 
 
 def random_direction(rng: np.random.Generator, low: float = -1.0) -> Angles:

@@ -1,7 +1,8 @@
 """The textbook's formulas, written a second time: what the program's own are held against.
 
 Nothing here uses the program's densities, projected areas, Lambda, masking or Fresnel functions;
-Lambda comes from its definition as an integral over slopes.
+Lambda comes from its definition as an integral over slopes, whose density a distribution brings
+along for this purpose alone.
 """
 
 from itertools import pairwise
@@ -40,14 +41,14 @@ def projected_area(c: Configuration, w: Array) -> float:
     node, weight = np.polynomial.legendre.leggauss(NODES)
     end = np.arctan2(z, s)
     # The Gaussian is nearly nothing beyond x = 30, wherever that leaves its share of nodes.
-    start = -np.pi / 2 if c.slopes == "ggx" else min(-np.arctan(30.0), end - 1e-3)
+    start = min(-np.arctan(30.0), end - 1e-3) if c.slopes == "beckmann" else -np.pi / 2
     parts = _split(start, end)
     total = 0.0
     for a, b in pairwise(parts):
         u = a + (b - a) * (1 + node) / 2
         # z - s tan(u), from its zero at u = end.
         lever = np.hypot(s, z) * np.sin(end - u) / np.cos(u)
-        value = lever * slope_density_1d(c.slopes, np.tan(u)) / np.cos(u) ** 2
+        value = lever * c.distribution().marginal_density(np.tan(u)) / np.cos(u) ** 2
         total += float((value * weight).sum() * (b - a) / 2)
     return total
 
@@ -56,13 +57,6 @@ def _split(start: float, end: float) -> Array:
     """Borders between which the nodes are laid: where the Gaussian changes fastest."""
     inner = np.arctan([-6.0, -2.0, 0.0, 2.0, 6.0])
     return np.array([start, *inner[(inner > start) & (inner < end)], end])
-
-
-def slope_density_1d(slopes: str, x: Array) -> Array:
-    """Density of one slope over its roughness: the other integrated out."""
-    if slopes == "beckmann":
-        return np.exp(-x * x) / np.sqrt(np.pi)
-    return 1 / (2 * (1 + x * x) ** 1.5)
 
 
 def big_lambda(c: Configuration, w: Array) -> float:
@@ -74,8 +68,7 @@ def big_lambda(c: Configuration, w: Array) -> float:
 def normal_density(c: Configuration, m: Array) -> Array:
     """D of unit vectors m (3, n): the slopes' density over cos^4."""
     x, y = -m[0] / m[2] / c.alpha[0], -m[1] / m[2] / c.alpha[1]
-    r2 = x * x + y * y
-    slopes = np.exp(-r2) / np.pi if c.slopes == "beckmann" else 1 / (np.pi * (1 + r2) ** 2)
+    slopes = c.distribution().slope_density(x, y)
     return np.where(m[2] > 0, slopes / (c.alpha[0] * c.alpha[1] * m[2] ** 4), 0)
 
 
@@ -134,7 +127,7 @@ def diffuse_scattering(c: Configuration, wi: Array, wo: Array, correlated: bool 
     m = np.stack(
         [-c.alpha[0] * r * np.cos(phi), -c.alpha[1] * r * np.sin(phi), np.ones_like(r * phi)]
     )
-    P22 = np.exp(-r * r) / np.pi if c.slopes == "beckmann" else 1 / (np.pi * (1 + r * r) ** 2)
+    P22 = c.distribution().slope_density(r, np.zeros_like(r))
     towards_i = np.maximum(np.einsum("i,ijk->jk", wi[:, 0], m), 0)
     towards_o = np.maximum(np.einsum("i,ijk->jk", wo[:, 0], m), 0)
     length = np.sqrt((m * m).sum(axis=0))

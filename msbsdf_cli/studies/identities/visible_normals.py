@@ -85,7 +85,7 @@ def sampled_slopes(c: Configuration, n: int, rng: np.random.Generator) -> Iterat
     edges = [np.quantile(v[pilot], borders) for v in (along, across)]
     counts = np.histogram2d(along[tested], across[tested], edges)[0].ravel()
     s = float(np.hypot(c.alpha[0] * c.i[0, 0], c.alpha[1] * c.i[1, 0]))
-    shares = _shares(c.slopes, s, float(c.i[2, 0]), *edges) / area
+    shares = _shares(c.distribution(), s, float(c.i[2, 0]), *edges) / area
     total = along[tested].size
     evidence = ChiSquare.of_counts(
         np.append(counts, total - counts.sum()),
@@ -104,12 +104,11 @@ def _stretched_slopes(c: Configuration, m: Array) -> tuple[Array, Array]:
     return x * cos_phi + y * sin_phi, y * cos_phi - x * sin_phi
 
 
-def _shares(slopes: str, s: float, z: float, along: Array, across: Array) -> Array:
+def _shares(slopes: Slopes, s: float, z: float, along: Array, across: Array) -> Array:
     """Integrals (cells,) of (z - s p)+ P22(p, q) over bins of slopes, by the midpoint rule on the
     textbook's density."""
     p, q = _fine(along)[:, None], _fine(across)[None]
-    r2 = p * p + q * q
-    density = np.exp(-r2) / np.pi if slopes == "beckmann" else 1 / (np.pi * (1 + r2) ** 2)
+    density = slopes.slope_density(p, q)
     value = np.maximum(z - s * p, 0) * density
     cells = value.reshape(along.size - 1, SUB, across.size - 1, SUB).mean(axis=(1, 3))
     return (cells * np.diff(along)[:, None] * np.diff(across)).ravel()
