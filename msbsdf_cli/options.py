@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
 
 Decorator = Callable[[Callable[..., None]], Callable[..., None]]
@@ -134,18 +135,6 @@ def _numbers(
         wanted = "a number" if count in (None, 1) else f"{count} numbers"
         kind.fail(f"{value!r} is not {wanted}.", param, ctx)
     return numbers
-
-
-METHODS = (
-    "single",
-    "walk",
-    "walk-low-variance",
-    "position-free-uncorrelated",
-    "position-free-correlated",
-    "exact",
-    "solve",
-    "energy-compensated",
-)
 
 
 class Methods(click.ParamType):

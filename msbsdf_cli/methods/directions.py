@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.methods.protocol import UnsupportedError
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
@@ -44,6 +45,7 @@ class Holds:
     name: str
     deterministic = False
     """Whether values have no noise, so that samples make no difference."""
+    traits: Traits
 
     def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         """Error (channels, n) that paths may leave in all values from order 2 on which none of

@@ -8,6 +8,7 @@ from scipy.interpolate import RectBivariateSpline
 from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import first_order, phase_density
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, fresnel_dielectric, unit_circle
@@ -90,31 +91,29 @@ class Albedo:
 class EnergyCompensated(Holds):
     """Single scattering as it is, in order 1, and one lobe for all later orders, in the last row.
 
-    `variant` "kulla-conty" (Kulla & Conty 2017, Revisiting Physically Based Shading at Imageworks):
+    Kulla & Conty 2017, Revisiting Physically Based Shading at Imageworks:
     (1 - E_i) (1 - E_o) / (pi (1 - Ebar)) with the share Fbar^2 Ebar / (1 - Fbar (1 - Ebar)) of a
     metal; reciprocal. On a dielectric the missing energy is split between two such lobes, one on
     each side, in the proportion of the mean Fresnel reflectances, adjusted to be reciprocal.
-
-    `variant` "turquin" (Turquin 2019, Practical Multiple Scattering Compensation for Microfacet
-    Models): single scattering times F0 (1 - E_i) / E_i; conductors only, not reciprocal.
 
     No noise: albedos come from a table made once, by quadrature. Its error, which is that of the
     energy, is stated as the standard error of the lobe.
     """
 
     name = "energy-compensated"
+    traits = Traits(
+        "#56b4e9",
+        "*",
+        model="energy-compensated",
+        lumps_orders=True,
+        energy_error={"conductor": 1e-3, "dielectric": 1e-2},
+        energy_error_because="table of albedos",
+    )
     deterministic = True
 
-    def __init__(
-        self, slopes: Slopes, material: Material, orders: int, variant: str = "kulla-conty"
-    ) -> None:
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
         self.refuse(slopes, material)
-        if variant == "turquin" and isinstance(material, Dielectric):
-            raise UnsupportedError(
-                "the variant turquin of energy-compensated is for conductors only"
-            )
         self.slopes, self.material, self.orders = slopes, material, orders
-        self.variant = variant
         self.E = Albedo(slopes, material, inside=False)
         self.E_inside = Albedo(slopes, material, inside=True) if material.transmits else self.E
         self.through = self._share_through()
@@ -133,12 +132,8 @@ class EnergyCompensated(Holds):
         value = np.zeros((self.material.channels, self.orders + 1, out.n), wi.dtype)
         stderr = np.zeros_like(value)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
-        if self.variant == "turquin":
-            E_i = self.E(wi[:, None])
-            value[:, -1] = value[:, 0] * self._at_normal_incidence()[:, None] * (1 - E_i) / E_i
-        else:
-            value[:, -1] = self._lobe(wi, out)
-            stderr[:, -1] = self.E.error * self._shape(out)
+        value[:, -1] = self._lobe(wi, out)
+        stderr[:, -1] = self.E.error * self._shape(out)
         return Evaluation(value, stderr)
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -204,9 +199,6 @@ class EnergyCompensated(Holds):
         if not self.material.absorbs:
             return np.ones((1, cos_i.size))
         return self.material.fresnel(cos_i)
-
-    def _at_normal_incidence(self) -> Array:
-        return self._fresnel(np.ones(1))[:, 0]
 
 
 def _cosine_mean(fresnel: Callable[[Array], Array]) -> Array:

@@ -21,6 +21,7 @@ from msbsdf_cli.methods.paths import (
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.descent import Descent, arriving_descent, slant
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
@@ -67,6 +68,7 @@ class Exact(SampledByWalk):
     """
 
     name = "exact"
+    traits = Traits("#009e73", "D")
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
         self.refuse(slopes, material)

@@ -12,6 +12,7 @@ from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import broadened_pdf
 from msbsdf_cli.methods.segments import Segments, go_on, leaving_chance, send
 from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.methods.unseen import one_walk
 from msbsdf_cli.smith.descent import slant
 from msbsdf_cli.smith.slopes import Slopes
@@ -113,6 +114,7 @@ class PositionFreeUncorrelated(PositionFree):
     """Heights of arriving and leaving are independent: reciprocal [WJFYHY22 supp. 2.1]."""
 
     name = "position-free-uncorrelated"
+    traits = Traits("#cc79a7", "^", model="position-free-uncorrelated", correlated=False)
     correlated = False
 
 
@@ -121,4 +123,5 @@ class PositionFreeCorrelated(PositionFree):
     later orders are not reciprocal [WJFYHY22 supp. 2.2]."""
 
     name = "position-free-correlated"
+    traits = Traits("#882255", "v", model="position-free-correlated", reciprocal=False)
     correlated = True

@@ -5,6 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
@@ -38,6 +39,7 @@ class Method(Protocol):
     name: str
     deterministic: bool
     """Whether values have no noise, so that samples make no difference."""
+    traits: Traits
 
     @classmethod
     def refuse(cls, slopes: Slopes, material: Material) -> None:

@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator, Mapping
 from importlib import import_module
+from typing import TYPE_CHECKING
 
-from msbsdf_cli.methods.protocol import Method
+if TYPE_CHECKING:
+    from msbsdf_cli.methods.protocol import Method
 
 PLACES = {
     "single": ("single", "Single"),
@@ -14,12 +16,13 @@ PLACES = {
     "exact": ("exact", "Exact"),
     "solve": ("solve", "Solve"),
     "energy-compensated": ("energy_compensated", "EnergyCompensated"),
+    "turquin": ("turquin", "Turquin"),
 }
 """Module in this package and class of each method."""
 
 
-class _Lazy(Mapping[str, type[Method]]):
-    def __getitem__(self, name: str) -> type[Method]:
+class _Lazy(Mapping[str, "type[Method]"]):
+    def __getitem__(self, name: str) -> "type[Method]":
         module, cls = PLACES[name]
         loaded: type[Method] = getattr(import_module(f"msbsdf_cli.methods.{module}"), cls)
         return loaded
@@ -31,5 +34,5 @@ class _Lazy(Mapping[str, type[Method]]):
         return len(PLACES)
 
 
-METHODS: Mapping[str, type[Method]] = _Lazy()
+METHODS: Mapping[str, "type[Method]"] = _Lazy()
 """Class of each method: `METHODS[name](slopes, material, orders)` is a `protocol.Method`."""

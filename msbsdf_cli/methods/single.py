@@ -4,6 +4,7 @@ import numpy as np
 
 from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.protocol import Evaluation
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.kernel import diffuse_density, masking_shadowing, scatter_density
 from msbsdf_cli.smith.slopes import Slopes
@@ -19,6 +20,7 @@ class Single(Holds):
     """
 
     name = "single"
+    traits = Traits("0.45", "X", model="single", conserves_energy=False)
     deterministic = True
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:

@@ -9,6 +9,7 @@ from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.solver.halfspace import HalfSpace
 from msbsdf_cli.methods.solver.interface import TwoHalfSpaces
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
@@ -53,6 +54,7 @@ class Solve(Holds):
     """
 
     name = "solve"
+    traits = Traits("#0072b2", "P", samples=False)
     deterministic = True
 
     def __init__(

@@ -17,6 +17,7 @@ from msbsdf_cli.methods.paths import (
 )
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import exponential, flip, free_path
 from surfaces.facet import Array
@@ -38,6 +39,7 @@ class Walk(SampledByWalk):
     """
 
     name = "walk"
+    traits = Traits("#d55e00", "o")
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
         self.refuse(slopes, material)

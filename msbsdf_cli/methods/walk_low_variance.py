@@ -15,6 +15,7 @@ from msbsdf_cli.methods.paths import (
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.methods.unseen import one_walk
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
@@ -43,6 +44,7 @@ class WalkLowVariance(SampledByWalk):
     """
 
     name = "walk-low-variance"
+    traits = Traits("#e69f00", "s")
 
     def __init__(
         self, slopes: Slopes, material: Material, orders: int, both_ends: bool | None = None

@@ -6,7 +6,7 @@ import numpy as np
 
 from msbsdf_cli.report.directory import Table
 from msbsdf_cli.report.style import panels, save
-from msbsdf_cli.report.tradeoff import LOOKS
+from msbsdf_cli.report.tradeoff import look
 
 BIDIRECTIONAL = "-bidirectional"
 
@@ -19,7 +19,7 @@ def draw_figure_17(table: Table, path: Path) -> None:
     for axis, alpha in zip(axes[0], alphas, strict=True):
         for name in dict.fromkeys(r["method"] for r in rows):
             line = [r for r in rows if r["alpha_x"] == alpha and r["method"] == name]
-            colour, marker = LOOKS[name.removesuffix(BIDIRECTIONAL)]
+            colour, marker = look(name.removesuffix(BIDIRECTIONAL))
             x, y, error = (
                 np.array([r[column] for r in line])
                 for column in ("seconds_per_pixel", "relative_mse", "relative_mse_stderr")

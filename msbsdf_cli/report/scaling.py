@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 
 from msbsdf_cli.report.style import panels, plt, save
-from msbsdf_cli.report.tradeoff import LOOKS
+from msbsdf_cli.report.tradeoff import look
 from msbsdf_cli.studies.tradeoff.reach import Reach, times
 from msbsdf_cli.studies.tradeoff.scaling import Scaling
 
@@ -60,7 +60,7 @@ def _cheapest_of_each(rows: list[Scaling]) -> list[Scaling]:
 
 
 def _draw_times(axis: Any, line: list[Scaling]) -> None:
-    colour, marker = LOOKS[line[0].method]
+    colour, marker = look(line[0].method)
     y = np.array([r.seconds for r in line])
     low, high = (np.array([getattr(r, f"seconds_{end}") for r in line]) for end in ("low", "high"))
     axis.errorbar(
@@ -76,7 +76,7 @@ def _draw_times(axis: Any, line: list[Scaling]) -> None:
 
 
 def _draw_worth(axis: Any, line: list[Scaling], parameter: str) -> None:
-    colour, marker = LOOKS[line[0].method]
+    colour, marker = look(line[0].method)
     x = np.array([r.value for r in line])
     seconds = np.array([r.seconds for r in line])
     if parameter == "threads":
@@ -115,7 +115,7 @@ def draw_corners(found: list[Reach], path: Path) -> None:
         axis.set_xlabel("theta_i", labelpad=1)
     axes[0, 0].set_ylabel("alpha")
     names = dict.fromkeys(r.method for r in found)
-    handles = [plt.Rectangle((0, 0), 1, 1, color=LOOKS[n][0], alpha=0.6, label=n) for n in names]
+    handles = [plt.Rectangle((0, 0), 1, 1, color=look(n)[0], alpha=0.6, label=n) for n in names]
     figure.legend(handles=handles, loc="upper left", ncols=len(handles))
     save(figure, path)
 
@@ -125,6 +125,6 @@ def _draw_corner(axis: Any, i: int, j: int, here: list[Reach]) -> None:
     if best is None:
         return
     square = (j - 0.48, i - 0.48)
-    axis.add_patch(plt.Rectangle(square, 0.96, 0.96, color=LOOKS[best.method][0], alpha=0.6, lw=0))
+    axis.add_patch(plt.Rectangle(square, 0.96, 0.96, color=look(best.method)[0], alpha=0.6, lw=0))
     text = f"{times(best.gain)}\n({times(best.gain_after_setup)})"
     axis.text(j, i, text, ha="center", va="center", fontsize=6)

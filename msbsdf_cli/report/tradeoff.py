@@ -8,22 +8,22 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 
+from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.report.style import plt, save
 from msbsdf_cli.studies.tradeoff.floors import Floor
 from msbsdf_cli.studies.tradeoff.rows import Row
 
-LOOKS = {
-    "single": ("0.45", "X"),
-    "walk": ("#d55e00", "o"),
-    "walk-low-variance": ("#e69f00", "s"),
-    "position-free-uncorrelated": ("#cc79a7", "^"),
-    "position-free-correlated": ("#882255", "v"),
-    "exact": ("#009e73", "D"),
-    "solve": ("#0072b2", "P"),
-    "energy-compensated": ("#56b4e9", "*"),
-    "simulate": ("#000000", "p"),
-}
-"""Colour and marker of each method, the same on every chart."""
+SIMULATED = "#000000", "p"
+"""Colour and marker of the explicit surfaces."""
+
+
+def look(method: str) -> tuple[str, str]:
+    """Colour and marker of a method, or of `simulate`, the same on every chart."""
+    if method not in METHODS:
+        return SIMULATED
+    traits = METHODS[method].traits
+    return traits.colour, traits.marker
+
 
 LEAST_ERROR = 1e-5
 """Errors below are drawn at the lower edge: they do not matter, and the others need the room."""
@@ -126,7 +126,7 @@ def _draw_panel(axis: Any, points: list[Point], floors: list[Floor], large: bool
 
 
 def _draw_method(axis: Any, method: str, points: list[Point], size: float) -> None:
-    colour, marker = LOOKS[method]
+    colour, marker = look(method)
     x = np.array([p["seconds"] + p["setup_s"] for p in points]).T
     y = np.array([p["error"] for p in points])
     low = np.array([min(p["stderr"], 0.9 * p["error"]) for p in points])
@@ -183,7 +183,7 @@ def _write(axis: Any, y: float, text: str, colour: str, large: bool, side: str) 
 def _legend(figure: Any, rows: list[Row]) -> None:
     handles = []
     for method in dict.fromkeys(r.method for r in rows):
-        colour, marker = LOOKS[method]
+        colour, marker = look(method)
         slopes = [r.slope for r in rows if r.method == method and np.isfinite(r.slope)]
         label = method + (f"  (slope {np.median(slopes):.2f})" if slopes else "")
         handles.append(Line2D([], [], color=colour, marker=marker, ms=5, label=label))

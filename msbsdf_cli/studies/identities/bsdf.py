@@ -11,7 +11,6 @@ from msbsdf_cli.methods.single import phase_density
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.studies.identities import reference
 from msbsdf_cli.studies.identities.batches import of_batches, of_two
-from msbsdf_cli.studies.identities.claims import CLAIMS
 from msbsdf_cli.studies.identities.configurations import (
     GRAZING,
     Configuration,
@@ -40,17 +39,24 @@ SAMPLE_COST = 16
 LEAST_SCATTER = 1e-12
 
 
+def sampled() -> list[str]:
+    """Names of the methods that draw outgoing directions, which these identities need."""
+    return [name for name, method in METHODS.items() if method.traits.samples]
+
+
 def energy_and_samples(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """f cos(theta_o) sums to 1 over the sphere (4.4.1), and the method's own samples have the
     moments of its values (4.4.4)."""
     method = made(c)
     if method is None:
         return
-    claims = CLAIMS[c.method]
+    traits = METHODS[c.method].traits
     walks = max(int(np.sqrt(n / BATCHES)), 16)
     summed = _integrals(c, method, walks, rng)
-    if claims.energy:
-        evidence = of_batches(1.0, summed[:, 0], claims.slack(c.material), claims.because)
+    if traits.conserves_energy:
+        evidence = of_batches(
+            1.0, summed[:, 0], traits.slack(c.material), traits.energy_error_because
+        )
     else:
         albedo = float(first_order_albedo(c.distribution(), c.facets(), c.i)[0])
         evidence = of_batches(albedo, summed[:, 0], ALBEDO_ERROR, "quadrature of the albedo")
@@ -160,7 +166,7 @@ def _closed_form(c: Configuration, rng: np.random.Generator) -> tuple[float, flo
     Diffuse facets have none; there it is a mean over all of the slopes that face both ways, times
     masking and shadowing, on a grid of its own.
     """
-    correlated = CLAIMS[c.method].correlated
+    correlated = METHODS[c.method].traits.correlated
     if c.material == "diffuse":
         value = reference.diffuse_scattering(c, c.i, c.o, correlated)
         return value, DIFFUSE_ERROR, "quadrature over diffuse facets, the program's and this one"
@@ -206,7 +212,7 @@ def hard() -> list[Configuration]:
     ]
     return [
         Configuration(slopes, alpha, wi, material=material, method=method)
-        for method in CLAIMS
+        for method in sampled()
         for material in ("conductor", "diffuse", "dielectric")
         for slopes, alpha, wi in cases
     ]
@@ -216,7 +222,7 @@ def drawn(rng: np.random.Generator) -> Configuration:
     """Any method, material, slopes and direction above the surface."""
     c = replace(random_above(rng), wo=None, heights="")
     material = str(rng.choice(["conductor", "diffuse", "dielectric"]))
-    return replace(c, material=material, method=str(rng.choice(list(CLAIMS))))
+    return replace(c, material=material, method=str(rng.choice(sampled())))
 
 
 IDENTITIES = (

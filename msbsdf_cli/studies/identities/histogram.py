@@ -7,7 +7,6 @@ import numpy as np
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.studies.identities.batches import of_batches
-from msbsdf_cli.studies.identities.claims import CLAIMS
 from msbsdf_cli.studies.identities.configurations import Configuration
 from msbsdf_cli.studies.identities.identity import Identity
 from msbsdf_cli.studies.identities.verdicts import FAILS_AS_EXPECTED, HOLDS, Finding
@@ -29,7 +28,7 @@ def differences(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[
         there = method.evaluate(a, b[:, None], size, rng).value[0, 1, 0] / b[2]
         back = method.evaluate(b, a[:, None], size, rng).value[0, 1, 0] / a[2]
         apart[k] = there - back
-    wanted = HOLDS if CLAIMS[c.method].reciprocal else FAILS_AS_EXPECTED
+    wanted = HOLDS if METHODS[c.method].traits.reciprocal else FAILS_AS_EXPECTED
     section = "[WJFYHY22 supp.] fig. 16"
     name = "reciprocity, mean of differences"
     evidence = of_batches(0.0, apart)

@@ -10,7 +10,6 @@ from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.studies.identities.batches import of_two
 from msbsdf_cli.studies.identities.bsdf import LIT, ORDERS, angles, drawn, hard, made
-from msbsdf_cli.studies.identities.claims import CLAIMS
 from msbsdf_cli.studies.identities.configurations import IOR, Configuration
 from msbsdf_cli.studies.identities.evidence import Evidence, Exact
 from msbsdf_cli.studies.identities.identity import Identity
@@ -35,7 +34,7 @@ QUADRATURE_ERROR = 1e-4
 def reciprocity(c: Configuration, n: int, rng: Generator) -> Iterator[Finding]:
     """f(wi, wo) = f(wo, wi), all orders together and the second alone; through the surface with
     the squared index, since light here carries energy."""
-    if not CLAIMS[c.method].reciprocal:
+    if not METHODS[c.method].traits.reciprocal:
         return
     if made(c) is None:
         return
@@ -81,8 +80,8 @@ def _evidence(c: Configuration, one: Array, two: Array) -> Evidence:
     slack, because = ROUNDING, "rounding"
     if c.material == "diffuse":
         slack, because = QUADRATURE_ERROR, "quadrature over diffuse facets"
-    elif CLAIMS[c.method].because and c.material == "dielectric":
-        slack, because = CLAIMS[c.method].slack(c.material), "tables of albedos of both indices"
+    elif (traits := METHODS[c.method].traits).energy_error and c.material == "dielectric":
+        slack, because = traits.slack(c.material), "tables of albedos of both indices"
     slack *= float(one.mean())
     if one.size == 1 and two.size == 1:
         return Exact(float(one.mean()), float(two.mean()), slack, because)

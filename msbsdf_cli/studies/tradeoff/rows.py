@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.report.directory import Table, columns
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.errors import accuracy, root
 from msbsdf_cli.studies.tradeoff.fits import pareto, rank_stability, slope
 from msbsdf_cli.studies.tradeoff.measuring import Quartiles, Series, quartiles
 from msbsdf_cli.studies.tradeoff.reference import Reference
-from msbsdf_cli.studies.tradeoff.world import MODEL_OF, MODELS, Distance, World, grouped_noise
+from msbsdf_cli.studies.tradeoff.world import Distance, World, grouped_noise
 from surfaces.streams import stream
 
 NAN = float("nan")
@@ -90,7 +91,7 @@ def method_rows(scene: Scene, series: list[Series], truth: Reference) -> list[Ro
 
 def _row(scene: Scene, series: Series, truth: np.ndarray) -> Row:
     setting, lobe = series.setting, series.lobe
-    lumped = setting.method == "energy-compensated"
+    lumped = METHODS[setting.method].traits.lumps_orders
     found = accuracy(np.array(series.values), truth, lobe.solid_angle, lumped)
     square, energy = found.relative, found.energy
     return Row(
@@ -100,7 +101,7 @@ def _row(scene: Scene, series: Series, truth: np.ndarray) -> Row:
         seconds_per_direction=series.times[1] / lobe.wo.shape[1],
         bias_z=square.bias / square.bias_stderr if square.bias_stderr > 0 else NAN,
         energy_bias=root(energy.bias, energy.bias_stderr)[0],
-        model=MODELS[MODEL_OF[setting.method]],
+        model=METHODS[setting.method].traits.model,
         squares=found.each,
         times=tuple(series.seconds),
         **_place(scene, lobe.theta),

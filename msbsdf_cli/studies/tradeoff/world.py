@@ -29,19 +29,6 @@ PART_SAMPLES = 32768
 FEWEST_GROUPS = 4
 """Of surfaces, to tell their spread from."""
 
-MODELS = {
-    "single": "single",
-    "walk": "smith",
-    "position-free-uncorrelated": "position-free-uncorrelated",
-    "position-free-correlated": "position-free-correlated",
-    "energy-compensated": "energy-compensated",
-}
-"""Method whose sampler draws from each model; that of the random walk is the Smith model's."""
-
-MODEL_OF = dict(zip(MODELS, MODELS, strict=True)) | dict.fromkeys(
-    ("walk", "walk-low-variance", "exact", "solve"), "walk"
-)
-
 
 @dataclass(frozen=True)
 class Distance:
@@ -129,12 +116,17 @@ def sample_model(job: ModelJob) -> Array:
     return np.array(lobes)
 
 
+def sampler(model: str) -> str:
+    """The first method that draws from a model."""
+    return next(n for n, m in METHODS.items() if m.traits.model == model and m.traits.samples)
+
+
 def distances(
     scene: Scene, methods: tuple[str, ...], world: World, seed: int, threads: int
 ) -> list[Distance]:
     """Of the models behind the methods, and always of the Smith model."""
-    models = dict.fromkeys(["walk", *(MODEL_OF[name] for name in methods)])
-    jobs = [ModelJob(scene, model, part, seed) for model in models for part in range(PARTS)]
+    models = dict.fromkeys(["smith", *(METHODS[name].traits.model for name in methods)])
+    jobs = [ModelJob(scene, sampler(m), part, seed) for m in models for part in range(PARTS)]
     results = list(in_order(sample_model, jobs, threads))
     solid_angle = bin_solid_angle()
     found = []
@@ -142,7 +134,7 @@ def distances(
         lobes = np.array(results[k * PARTS : (k + 1) * PARTS])
         for i, theta in enumerate(scene.theta):
             square, stderr = distance(world.units[:, i], lobes[:, i], solid_angle)
-            found.append(Distance(theta, MODELS[model], *root(square, stderr)))
+            found.append(Distance(theta, model, *root(square, stderr)))
     return found
 
 

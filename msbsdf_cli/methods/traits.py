@@ -1,0 +1,31 @@
+"""What a method says of itself: data that charts, options and `validate` read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What is true of all of a method's values."""
+
+    colour: str
+    marker: str
+    """Of its points on every chart."""
+    model: str = "smith"
+    """Whose values they are: those of `smith`, the random walk, or of an approximation by name."""
+    conserves_energy: bool = True
+    """Whether all light leaves a lossless surface; else only the first order does."""
+    reciprocal: bool = True
+    correlated: bool = True
+    """Whether the first order has height-correlated masking and shadowing."""
+    lumps_orders: bool = False
+    """Whether all orders after the first come in one."""
+    samples: bool = True
+    """Whether it draws outgoing directions."""
+    energy_error: Mapping[str, float] = field(default_factory=dict)
+    """Known error of energies by material, 0 where it is not named."""
+    energy_error_because: str = ""
+
+    def slack(self, material: str) -> float:
+        """Known error of energies for a material."""
+        return self.energy_error.get(material, 0.0)

@@ -1,0 +1,70 @@
+"""What Blender ships: single scattering, brightened until the energy is right."""
+
+import numpy as np
+
+from msbsdf_cli.methods.directions import Holds, exits
+from msbsdf_cli.methods.energy_compensated import Albedo
+from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
+from msbsdf_cli.methods.single import Single, first_order
+from msbsdf_cli.methods.traits import Traits
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.materials import Conductor, Material
+
+
+class Turquin(Holds):
+    """Single scattering in order 1, and F0 (1 - E_i) / E_i times it for all later orders (Turquin
+    2019, Practical Multiple Scattering Compensation for Microfacet Models); not reciprocal.
+
+    No noise: the albedo E_i comes from a table made once, by quadrature, whose error is stated.
+    """
+
+    name = "turquin"
+    traits = Traits(
+        "#999933",
+        "<",
+        model="turquin",
+        reciprocal=False,
+        lumps_orders=True,
+        energy_error={"conductor": 1e-3},
+        energy_error_because="table of albedos",
+    )
+    deterministic = True
+
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
+        self.refuse(slopes, material)
+        assert isinstance(material, Conductor)
+        self.slopes, self.material, self.orders = slopes, material, orders
+        self.single = Single(slopes, material, orders)
+        self.E = Albedo(slopes, material, inside=False)
+        self.F0 = material.fresnel(np.ones(1))[:, 0] if material.absorbs else np.ones(1)
+
+    @classmethod
+    def refuse(cls, slopes: Slopes, material: Material) -> None:
+        super().refuse(slopes, material)
+        if not isinstance(material, Conductor):
+            raise UnsupportedError("method turquin is for conductors: F0 is the colour of a metal")
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        value = np.zeros((self.material.channels, self.orders + 1, out.n), wi.dtype)
+        stderr = np.zeros_like(value)
+        value[:, 0] = first_order(self.slopes, self.material, wi, out)
+        value[:, -1] = value[:, 0] * self._added(wi)[:, None]
+        E_i = self.E(wi[:, None])
+        stderr[:, -1] = value[:, 0] * (self.F0[:, None] * self.E.error / E_i**2)
+        return Evaluation(value, stderr)
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """As single scattering, brightened."""
+        w, weight = self.single.sample(wi, n, rng)
+        return w, weight * (1 + self._added(wi))[:, None]
+
+    def pdf(self, wi: Array, wo: Array) -> Array:
+        """The density of `sample`; what it sends back into the surface is missing from it."""
+        return self.single.pdf(wi, wo)
+
+    def _added(self, wi: Array) -> Array:
+        """What the later orders are of the first, (channels,)."""
+        E_i = float(self.E(wi[:, None])[0])
+        return self.F0 * (1 - E_i) / E_i
