@@ -12,12 +12,14 @@ SAMPLES, QUICK_SAMPLES = 2_000_000, 50_000
 
 
 @click.command("validate")
-@click.option("--quick", is_flag=True, help="Fewer samples and configurations: half a minute.")
+@click.option(
+    "--quick", is_flag=True, help="Fewer samples and configurations: half a minute or less."
+)
 @click.option(
     "--samples",
     type=Count(),
     metavar="N",
-    help="Trials of each masking test; other tests scale with it. "
+    help="Trials of each masking test, at least 1e6; other tests scale with it. "
     f"[default: {SAMPLES:.0e}; quick: {QUICK_SAMPLES:.0e}]",
 )
 @use("seed", "threads", *REPORT)
