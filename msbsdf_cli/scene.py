@@ -36,7 +36,11 @@ class Scene:
             return Conductor(self.eta_k)
         if self.material == "diffuse":
             return Diffuse(self.albedo)
-        return Dielectric(self.ior)
+        if self.material == "dielectric":
+            return Dielectric(self.ior)
+        raise ValueError(
+            f"{self.material!r} is not a material: one of conductor, diffuse, dielectric."
+        )
 
     def distribution(self) -> Slopes:
         """The distribution of slopes."""

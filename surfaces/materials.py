@@ -56,13 +56,39 @@ class Material(Protocol):
         """Light leaving the facets. `inside` (n,) of bool: who arrives from the inner medium."""
 
 
+MOST_INDEX = 1e4
+"""Indices of metals grow with the root of the wavelength (Hagen and Rubens): copper has some 1300
+at a millimetre, and where they are 10 000, at centimetres, light does not meet microfacets one by
+one."""
+
+
 @dataclass(frozen=True)
 class Conductor:
-    """A mirror, perfect or with the Fresnel reflectance of a complex index n + i k per channel."""
+    """A mirror, perfect or with the Fresnel reflectance of a complex index n + i k per channel.
+
+    `eta_k` are pairs (n, k), n above 0 and k from 0, at most `MOST_INDEX`; none for a perfect
+    mirror. Raises ValueError for what is no index.
+    """
 
     eta_k: tuple[tuple[float, float], ...] = ()
     name = "conductor"
     transmits = False
+
+    def __post_init__(self) -> None:
+        for pair in self.eta_k:
+            n, k = pair if len(pair) == 2 else (np.nan, np.nan)
+            if not (0 < n <= MOST_INDEX and 0 <= k <= MOST_INDEX):
+                raise ValueError(
+                    f"{pair} is not the index n, k of a metal: n above 0 and k from 0, both at "
+                    f"most {MOST_INDEX:g}."
+                )
+
+    @classmethod
+    def named(cls, metal: str, rgb: bool = False) -> "Conductor":
+        """A metal of `METALS` at 549 nm, or in red, green and blue; ValueError for any other."""
+        if metal not in METALS:
+            raise ValueError(f"{metal!r} is not a metal known here: one of {', '.join(METALS)}.")
+        return cls(METALS[metal] if rgb else METALS[metal][GREEN : GREEN + 1])
 
     @property
     def absorbs(self) -> bool:
@@ -91,19 +117,34 @@ class Conductor:
 
 @dataclass(frozen=True)
 class Diffuse:
-    """A Lambertian facet, of one albedo per channel."""
+    """A Lambertian facet, of one albedo per channel; a number stands for one channel.
 
-    albedo: tuple[float, ...] = (1.0,)
+    Raises ValueError for an albedo that is not from 0 to 1.
+    """
+
+    albedo: tuple[float, ...] | float = (1.0,)
     name = "diffuse"
     transmits = False
 
+    def __post_init__(self) -> None:
+        if isinstance(self.albedo, int | float):
+            object.__setattr__(self, "albedo", (float(self.albedo),))
+        if not self.albedos or not all(0 <= a <= 1 for a in self.albedos):
+            raise ValueError(f"{self.albedo} is not an albedo: numbers from 0 to 1 are wanted.")
+
+    @property
+    def albedos(self) -> tuple[float, ...]:
+        """The albedo of each channel."""
+        assert isinstance(self.albedo, tuple)
+        return self.albedo
+
     @property
     def absorbs(self) -> bool:
-        return min(self.albedo) < 1
+        return min(self.albedos) < 1
 
     @property
     def channels(self) -> int:
-        return len(self.albedo)
+        return len(self.albedos)
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
@@ -112,14 +153,15 @@ class Diffuse:
         out = lambertian(m * (1 / np.sqrt(dot(m, m))), n, rng)
         if not self.absorbs:
             return Scattered(out)
-        return Scattered(out, gain=np.array(self.albedo)[:, None])
+        return Scattered(out, gain=np.array(self.albedos)[:, None])
 
 
 @dataclass(frozen=True)
 class Dielectric:
     """A smooth interface that reflects or refracts, chosen by the Fresnel reflectance.
 
-    `ior` is the index inside over the index outside.
+    `ior` is the index inside over the index outside, above 0 and finite. Raises ValueError for any
+    other.
     """
 
     ior: float = 1.5
@@ -127,6 +169,10 @@ class Dielectric:
     absorbs = False
     transmits = True
     channels = 1
+
+    def __post_init__(self) -> None:
+        if not 0 < self.ior < np.inf:
+            raise ValueError(f"ior is {self.ior}: an index ratio is a finite number above 0.")
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator

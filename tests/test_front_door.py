@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import msbsdf_cli as ms
+from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.albedo import first_order_albedo
 
+GOLD = ms.Conductor.named("gold", rgb=True)
 MIRROR = ms.Smith(ms.Ggx(0.5, 0.2), ms.Conductor())
 WI = ms.direction(theta=1.0, phi=0.3)
 
@@ -51,6 +53,15 @@ def test_a_method_gives_values_and_samples():
     assert w.shape == (3, 1000)
     assert weight.shape == (1, 1000)
     assert np.all(walk.pdf(WI, w) > 0)
+
+
+def test_materials_in_one_colour_and_in_three():
+    assert GOLD.channels == 3
+    assert ms.Conductor.named("gold").eta_k == GOLD.eta_k[1:2]
+    assert ms.Diffuse(0.8) == ms.Diffuse((0.8,))
+    f = ms.method("single", ms.Smith(ms.Beckmann(0.3, 0.3), GOLD)).evaluate(WI, ms.hemisphere(9))
+    red, green, blue = f.value[:, 0].sum(axis=1)
+    assert red > green > blue
 
 
 def test_methods_are_listed_and_refuse_what_they_do_not_hold_for():
@@ -141,6 +152,11 @@ def test_units_of_length_do_not_matter(traced):
         (lambda: ms.method("walk", MIRROR).evaluate(WI, 2 * WI), "unit vectors"),
         (lambda: ms.method("walk", MIRROR, orders=0), "orders is 0"),
         (lambda: ms.Beckmann(-1, 1), "above 0"),
+        (lambda: ms.Diffuse(1.5), "albedo"),
+        (lambda: ms.Dielectric(0), "ior is 0"),
+        (lambda: ms.Conductor(((1.0, np.inf),)), "index"),
+        (lambda: ms.Conductor.named("tin"), "'tin' is not a metal known here: one of gold"),
+        (lambda: Scene("wood", (1, 1), (0.5,), 0).facets(), "'wood' is not a material"),
         (lambda: ms.StudentT(1, 1, 1.0), "gamma"),
         (lambda: ms.HeightField(np.zeros((16, 24)), (1, 1)), "square"),
         (lambda: ms.HeightField(np.full((8, 8), np.nan), (1, 1)), "not finite"),

@@ -10,6 +10,7 @@ from msbsdf_cli.scene import Scene, metal_indices
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import parameters
 from msbsdf_cli.studies.outcome import FreePaths
+from surfaces.materials import MOST_INDEX
 
 WALKS_PER_S = 5e6
 RAYS_PER_S = 1e6
@@ -17,11 +18,6 @@ TRIANGLES_PER_S = 1e6
 """Rough rates of one core, for telling beforehand what takes long."""
 
 LONG_S = 600
-
-MOST_INDEX = 1e4
-"""Those of metals grow with the root of the wavelength (Hagen and Rubens): copper has some 1300
-at a millimetre, and where they are 10 000, at centimetres, light does not meet microfacets one by
-one."""
 
 
 def scene_from(options: dict[str, Any]) -> Scene:

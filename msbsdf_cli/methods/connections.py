@@ -173,7 +173,7 @@ def _connect(model: Model, a: SubPath, b: SubPath, last: bool) -> Array:
     w = -b.d
     if isinstance(material, Diffuse):
         density = a.sigma * np.maximum(dot(w, a.m), 0) / np.pi
-        colour: Array | None = np.array(material.albedo, density.dtype)[:, None]
+        colour: Array | None = np.array(material.albedos, density.dtype)[:, None]
     else:
         density, colour = pair_density(slopes, material, a, w, b.inside)
     through: Array | bool = False

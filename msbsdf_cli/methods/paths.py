@@ -118,7 +118,9 @@ def next_event(
     if isinstance(material, Diffuse):
         assert paths.m is not None
         phase = np.maximum(paths.m.T @ out.w, 0) / np.pi
-        return np.where(out.inside, 0, phase), np.array(material.albedo, phase.dtype)[:, None, None]
+        return np.where(out.inside, 0, phase), np.array(material.albedos, phase.dtype)[
+            :, None, None
+        ]
     d, w = paths.d[:, :, None], out.w[:, None, :]
     sigma = paths.sigma[:, None]
     if paths.inside is None:

@@ -36,7 +36,7 @@ def scatter_density(
     """
     if isinstance(material, Diffuse):
         density = diffuse_density(slopes, d, w)
-        return np.array(material.albedo, density.dtype)[:, None] * density
+        return np.array(material.albedos, density.dtype)[:, None] * density
     if transmitted:
         return refraction_density(slopes, material, d, w, inside)[None]
     density, colour = reflection_density(slopes, material, d, w, inside)

@@ -229,7 +229,7 @@ class DiffuseGrid(QuarterGrid):
 
     def _albedo(self, q: Array) -> Array:
         """q for each channel."""
-        channels: Array = np.multiply.outer(np.array(self.material.albedo), q)
+        channels: Array = np.multiply.outer(np.array(self.material.albedos), q)
         return channels
 
     @cached_property

@@ -172,7 +172,7 @@ class DiffuseModes:
 
     def _albedo(self, q: Array) -> Array:
         """q for each channel."""
-        channels: Array = np.multiply.outer(np.array(self.material.albedo), q)
+        channels: Array = np.multiply.outer(np.array(self.material.albedos), q)
         return channels
 
     def _facets(self, psi: Array) -> tuple[Array, Array]:
