@@ -28,11 +28,6 @@ from msbsdf_cli.options import MODEL, REPORT, RESOLUTION, Count, samples, use
 )
 @click.option("--qmc", is_flag=True, help="Scrambled Sobol points where a path starts.")
 @click.option(
-    "--corners",
-    is_flag=True,
-    help="Also the fastest method over roughness 0.1 to 1 and theta 0 to 1.5.",
-)
-@click.option(
     "--claims",
     is_flag=True,
     help="Also what a paper says of noise: the error of a slab's image over time.",

@@ -1,4 +1,4 @@
-"""scaling.png and corners.png: how times grow, and who is the fastest where."""
+"""scaling.png: how times grow."""
 
 from pathlib import Path
 from typing import Any
@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
-from msbsdf_cli.report.style import panels, plt, save
+from msbsdf_cli.report.style import panels, save
 from msbsdf_cli.report.tradeoff import look
-from msbsdf_cli.studies.tradeoff.reach import Reach, times
 from msbsdf_cli.studies.tradeoff.scaling import Scaling
 
 AXES = {
@@ -88,43 +87,3 @@ def _draw_worth(axis: Any, line: list[Scaling], parameter: str) -> None:
         y = np.array([r.relative_rmse for r in line])
         error = np.minimum([r.relative_rmse_stderr for r in line], 0.9 * y)
     axis.errorbar(x, y, error, fmt=marker + "-", ms=3.5, color=colour, elinewidth=0.7)
-
-
-def draw_corners(found: list[Reach], path: Path) -> None:
-    """For each wanted error a table of roughness and angle: the fastest method, how many times
-    faster than the walk it is, set-up included, and in brackets after set-up."""
-    errors = list(dict.fromkeys(r.relative_rmse for r in found))
-    alphas = sorted({r.alpha_x for r in found})
-    thetas = sorted({r.theta_i_rad for r in found})
-    figure, axes = panels(1, [0.62 * len(thetas)] * len(errors), 0.62 * len(alphas), (0.35, 0.3))
-    for axis, error in zip(axes[0], errors, strict=True):
-        for i, alpha in enumerate(alphas):
-            for j, theta in enumerate(thetas):
-                here = [
-                    r
-                    for r in found
-                    if (r.relative_rmse, r.alpha_x, r.theta_i_rad) == (error, alpha, theta)
-                ]
-                _draw_corner(axis, i, j, here)
-        axis.set_xticks(range(len(thetas)), [f"{t:.4g}" for t in thetas])
-        axis.set_yticks(range(len(alphas)), [f"{a:g}" for a in alphas])
-        axis.set_xlim(-0.5, len(thetas) - 0.5)
-        axis.set_ylim(-0.5, len(alphas) - 0.5)
-        axis.grid(False)
-        axis.set_title(f"to {error:.1%}")
-        axis.set_xlabel("theta_i", labelpad=1)
-    axes[0, 0].set_ylabel("alpha")
-    names = dict.fromkeys(r.method for r in found)
-    handles = [plt.Rectangle((0, 0), 1, 1, color=look(n)[0], alpha=0.6, label=n) for n in names]
-    figure.legend(handles=handles, loc="upper left", ncols=len(handles))
-    save(figure, path)
-
-
-def _draw_corner(axis: Any, i: int, j: int, here: list[Reach]) -> None:
-    best = next((r for r in here if r.best), None)
-    if best is None:
-        return
-    square = (j - 0.48, i - 0.48)
-    axis.add_patch(plt.Rectangle(square, 0.96, 0.96, color=look(best.method)[0], alpha=0.6, lw=0))
-    text = f"{times(best.gain)}\n({times(best.gain_after_setup)})"
-    axis.text(j, i, text, ha="center", va="center", fontsize=6)

@@ -8,7 +8,6 @@ from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff import claims
 from msbsdf_cli.studies.tradeoff.claims import slab
-from msbsdf_cli.studies.tradeoff.corners import FEW
 from msbsdf_cli.studies.tradeoff.directions import lobe_directions
 from msbsdf_cli.studies.tradeoff.errors import accuracy, inner_products, taken_apart
 from msbsdf_cli.studies.tradeoff.fits import pareto, rank_stability, ranks, slope
@@ -21,6 +20,7 @@ from msbsdf_cli.studies.tradeoff.quasirandom import (
 )
 from msbsdf_cli.studies.tradeoff.reach import reach, seconds_to
 from msbsdf_cli.studies.tradeoff.reference import MORE_WALKS, _by_chance, reference
+from msbsdf_cli.studies.tradeoff.roughness import FEW
 from msbsdf_cli.studies.tradeoff.rows import COLUMNS, Row, method_rows, table
 from msbsdf_cli.studies.tradeoff.world import (
     World,

@@ -23,12 +23,12 @@ RUNS = [
     [
         *("tradeoff", "--method", "walk,exact", "--samples", "16", "--replicates", "4"),
         *("--directions", "16", "--rays", "100", *SURFACES[:4], "--realisations", "8"),
-        *("--theta", "0,1", "--corners", "--claims", "--qmc"),
+        *("--theta", "0,1", "--claims", "--qmc"),
     ],
 ]
 FEWER = {
     "msbsdf_cli.studies.convergence": {"SURFACES": 2, "CELLS": (4, 6), "EXTENTS": (8, 16)},
-    "msbsdf_cli.studies.tradeoff.corners": {"ALPHAS": (0.5, 1.0)},
+    "msbsdf_cli.studies.tradeoff.roughness": {"ALPHAS": (0.5, 1.0)},
 }
 
 

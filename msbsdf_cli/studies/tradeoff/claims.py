@@ -16,10 +16,10 @@ from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.report.directory import Table
 from msbsdf_cli.scene import Scene, direction
-from msbsdf_cli.studies.tradeoff.corners import ALPHAS
 from msbsdf_cli.studies.tradeoff.directions import Lobe
 from msbsdf_cli.studies.tradeoff.errors import inner_products
 from msbsdf_cli.studies.tradeoff.measuring import timed
+from msbsdf_cli.studies.tradeoff.roughness import ALPHAS
 from surfaces.facet import Array
 from surfaces.streams import seed_sequence
 

@@ -104,7 +104,7 @@ def reach(rows: list[Row], errors: tuple[float, ...] = ERRORS) -> list[Reach]:
 
 
 def table(found: list[Reach]) -> Table:
-    """reach.csv, and corners.csv"""
+    """reach.csv"""
     return {name: [getattr(r, name) for r in found] for name in Reach.__dataclass_fields__}
 
 

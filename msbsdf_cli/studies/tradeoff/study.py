@@ -13,10 +13,10 @@ from msbsdf_cli.studies.tradeoff import floors as flooring
 from msbsdf_cli.studies.tradeoff import reach as reaching
 from msbsdf_cli.studies.tradeoff import rows as tabulating
 from msbsdf_cli.studies.tradeoff.claims import figure_17, two_samples
-from msbsdf_cli.studies.tradeoff.corners import ALPHAS, THETAS, corner_rows, unbeaten
 from msbsdf_cli.studies.tradeoff.directions import Lobe, lobe_directions
 from msbsdf_cli.studies.tradeoff.measuring import Protocol, Series, ladder, measure
 from msbsdf_cli.studies.tradeoff.reference import Reference, references
+from msbsdf_cli.studies.tradeoff.roughness import ALPHAS, roughness_rows
 from msbsdf_cli.studies.tradeoff.scaling import (
     REPEATS,
     Scaling,
@@ -49,7 +49,6 @@ class Result:
     warnings: list[str] = field(default_factory=list)
     pairs: list[tabulating.Row] = field(default_factory=list)
     scaling: list[Scaling] = field(default_factory=list)
-    corners: list[reaching.Reach] = field(default_factory=list)
     claims: dict[str, Table] = field(default_factory=dict)
 
     def tables(self) -> dict[str, Table]:
@@ -61,19 +60,16 @@ class Result:
             "pairs.csv": tabulating.table(self.pairs),
             "scaling.csv": scaling_table(self.scaling),
         }
-        tables |= self.claims
-        return tables | ({"corners.csv": reaching.table(self.corners)} if self.corners else {})
+        return tables | self.claims
 
     def draw(self, draft: Path) -> None:
         """All pictures."""
         from msbsdf_cli.report.figure_17 import draw_figure_17
-        from msbsdf_cli.report.scaling import draw_corners, draw_scaling
+        from msbsdf_cli.report.scaling import draw_scaling
         from msbsdf_cli.report.tradeoff import draw_tradeoff
 
         draw_tradeoff(self.rows, self.floors, draft / "tradeoff.png")
         draw_scaling(self.scaling, draft / "scaling.png")
-        if self.corners:
-            draw_corners(self.corners, draft / "corners.png")
         if self.claims:
             draw_figure_17(self.claims["figure_17.csv"], draft / "figure_17.png")
 
@@ -103,7 +99,6 @@ class Result:
                 f"Distance of the Smith model from explicit surfaces: {apart}. A smaller error "
                 "against the model is wasted there."
             )
-        said += unbeaten(self.corners)
         return said + (two_samples(self.claims["figure_17.csv"]) if self.claims else [])
 
 
@@ -134,8 +129,6 @@ def run(scene: Scene, options: dict[str, Any]) -> Result:
     )
     result.pairs = pair_rows(scene, pairs, pair_truth, options)
     result.scaling = scale(result, options, lobes[len(lobes) // 2])
-    if options["corners"]:
-        result.corners = reaching.reach(over_roughness(scene, options, THETAS, "corners"))
     if options["claims"]:
         result.claims = {"figure_17.csv": figure_17(scene, seed)}
     result.warnings = warnings_of(result, options)
@@ -175,7 +168,7 @@ def over_roughness(
     """Rows over roughness and these angles."""
     protocol = Protocol(options["replicates"], options["seed"], options["qmc"], label)
     with Progress(label, len(ALPHAS), "roughnesses", options["quiet"]) as progress:
-        return corner_rows(
+        return roughness_rows(
             scene, options["method"], thetas, options["directions"], protocol, progress.advance
         )
 

@@ -1,4 +1,4 @@
-"""The same question over roughness and angle: who is the fastest to a given error."""
+"""The same rows over roughness."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -6,15 +6,12 @@ from dataclasses import replace
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.studies.tradeoff.directions import lobe_directions
 from msbsdf_cli.studies.tradeoff.measuring import RESOLUTIONS, Protocol, Setting, measure
-from msbsdf_cli.studies.tradeoff.reach import Reach, times
 from msbsdf_cli.studies.tradeoff.reference import reference
 from msbsdf_cli.studies.tradeoff.rows import Row, method_rows
 from msbsdf_cli.studies.tradeoff.scaling import SAMPLES, one_each
 
 ALPHAS = (0.1, 0.2, 0.5, 1.0)
 """Larger of the two roughnesses; the scene's ratio of the two stays."""
-
-THETAS = (0.0, 0.5, 1.0, 1.5)
 
 REPLICATES = 8
 
@@ -25,20 +22,7 @@ FEW = 16
 """Walks of the shortest run, below which no time is claimed."""
 
 
-def unbeaten(found: list[Reach]) -> list[str]:
-    """Where nobody is faster than the walk, and the least gain of the fastest elsewhere."""
-    said = []
-    for error in dict.fromkeys(r.relative_rmse for r in found):
-        best = [r for r in found if r.relative_rmse == error and r.best]
-        walk = [f"alpha {r.alpha_x:g} theta {r.theta_i_rad:g}" for r in best if r.method == "walk"]
-        gains = [r.gain for r in best if r.method != "walk" and r.gain < float("inf")]
-        others = f"elsewhere the fastest gains at least {times(min(gains))}" if gains else ""
-        where = "; ".join(walk) or "nowhere"
-        said.append(f"Corners where walk is the fastest to {error:.1%}: {where}. {others}".strip())
-    return said
-
-
-def corner_rows(
+def roughness_rows(
     scene: Scene,
     methods: tuple[str, ...],
     thetas: tuple[float, ...],
