@@ -1,13 +1,11 @@
 """Standard errors of a simulation: those that its results show over seeds, and on finer meshes."""
 
 import numpy as np
-import pytest
 
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.studies.outcome import FreePaths
 from msbsdf_cli.studies.simulating import Resolution, simulate
-from msbsdf_cli.tally import Tally
 
 EDGES = HEIGHTS["gaussian"].edges
 
@@ -59,22 +57,3 @@ def test_the_error_of_the_mesh_falls_with_its_cells():
         tally, _ = run(Resolution(cells, 8, 8), 100_000, 4, 0.5, 1.0)
         late.append(np.sqrt(tally.views(tally.systematic)["energy"][3:, 0].sum()))
     assert late[1] < late[0] / 3
-
-
-def test_standard_errors_of_two_units_are_half_their_difference():
-    tally = Tally(1)
-    for energy in (0.25, 0.75):
-        unit = Tally(1)
-        unit.views(unit.sums[0])["energy"][0, 0] = energy
-        unit.sums[1] = unit.sums[0] ** 2
-        unit.units, unit.rays = 1, 10**9
-        tally.merge(unit)
-    assert tally.estimate("energy").stderr[0, 0] == pytest.approx(0.25)
-
-
-def test_standard_errors_of_two_free_paths_are_half_their_difference():
-    paths = FreePaths((1.0,), (0.0,), np.array([0.0, 1.0]))
-    for share in (0.25, 0.75):
-        bins = np.array([[[1 - share, share]]])
-        paths.add_unit(bins, np.ones((1, 1)), 10**9)
-    assert paths.estimate().stderr[0, 0, 1] == pytest.approx(0.25)
