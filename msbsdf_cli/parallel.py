@@ -43,28 +43,31 @@ def in_order(
         yield from map(work, jobs)
         return
     if not isinstance(workers, int):
-        yield from _window(workers, work, jobs, AHEAD * OTHER_WORKERS)
+        waiting: deque[Future[Result]] = deque()
+        try:
+            yield from _window(workers, work, jobs, AHEAD * OTHER_WORKERS, waiting)
+        finally:
+            for future in waiting:
+                future.cancel()
         return
     with _processes(workers) as pool:
-        yield from _window(pool, work, jobs, AHEAD * workers)
+        yield from _window(pool, work, jobs, AHEAD * workers, deque())
 
 
 def _window(
-    executor: Executor, work: Callable[[Job], Result], jobs: Iterable[Job], length: int
+    executor: Executor,
+    work: Callable[[Job], Result],
+    jobs: Iterable[Job],
+    length: int,
+    waiting: "deque[Future[Result]]",
 ) -> Iterator[Result]:
-    """Results in order; at most `length` jobs are under way or done before their turn."""
-    waiting: deque[Future[Result]] = deque()
-    remaining = iter(jobs)
-    try:
-        for job in remaining:
-            waiting.append(executor.submit(work, job))
-            if len(waiting) == length:
-                yield waiting.popleft().result()
-        while waiting:
+    """Results in order; at most `length` jobs are `waiting`, under way or done too early."""
+    for job in jobs:
+        waiting.append(executor.submit(work, job))
+        if len(waiting) == length:
             yield waiting.popleft().result()
-    finally:
-        for future in waiting:
-            future.cancel()
+    while waiting:
+        yield waiting.popleft().result()
 
 
 @contextmanager
@@ -75,15 +78,26 @@ def _processes(count: int) -> Iterator[Executor]:
     pool = ProcessPoolExecutor(count, mp_context=context, initializer=_ignore_interrupts)
     try:
         yield pool
-    except BrokenProcessPool:
-        raise RuntimeError(
-            "a process was killed, most likely for want of memory; "
-            "fewer --threads, --cells or a smaller --extent need less."
-        ) from None
+    except BaseException as error:
+        _kill(pool)
+        if isinstance(error, BrokenProcessPool):
+            raise RuntimeError(
+                "a process was killed, most likely for want of memory; "
+                "fewer --threads, --cells or a smaller --extent need less."
+            ) from None
+        raise
     finally:
-        for process in list((pool._processes or {}).values()):
-            process.kill()
         pool.shutdown(cancel_futures=True)
+
+
+def _kill(pool: ProcessPoolExecutor) -> None:
+    """End the processes at once, whatever they are doing, as no executor of Python 3.11 can."""
+    for process in list((pool._processes or {}).values()):
+        process.kill()
+        process.join()
+    # Who was killed in the middle of a result leaves its reader waiting for the rest, until nobody
+    # is left that could write it.
+    pool._result_queue._writer.close()  # type: ignore[attr-defined]
 
 
 def _ignore_interrupts() -> None:
