@@ -1,6 +1,7 @@
 """Slope distributions, a file for each; its name on the command line is that of the file.
 
-A new distribution is a new file with a class `Distribution`; names are known without importing it.
+A new distribution is a new file: `student_t.py` has the class `StudentT`, and is `student-t` on the
+command line. Names are known without importing it.
 """
 
 from dataclasses import fields
@@ -10,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from msbsdf_cli.smith.slopes._distribution import Lambda, Slopes
-    from msbsdf_cli.smith.slopes.beckmann import Distribution as Beckmann
-    from msbsdf_cli.smith.slopes.ggx import Distribution as Ggx
-    from msbsdf_cli.smith.slopes.student_t import Distribution as StudentT
+    from msbsdf_cli.smith.slopes.beckmann import Beckmann
+    from msbsdf_cli.smith.slopes.ggx import Ggx
+    from msbsdf_cli.smith.slopes.student_t import StudentT
 
 __all__ = ["NAMES", "Beckmann", "Ggx", "Lambda", "Slopes", "StudentT", "distribution", "parameters"]
 
@@ -27,7 +28,7 @@ def distribution(name: str) -> type[Any]:
     if name not in NAMES:
         raise ValueError(f"{name!r} is not a slope distribution: one of {', '.join(NAMES)}.")
     module = import_module(f"{__name__}.{name.replace('-', '_')}")
-    found: type[Slopes] = module.Distribution
+    found: type[Slopes] = getattr(module, "".join(map(str.capitalize, name.split("-"))))
     return found
 
 

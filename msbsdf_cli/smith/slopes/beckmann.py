@@ -12,7 +12,7 @@ SQRT_PI = float(np.sqrt(np.pi))
 
 
 @dataclass(frozen=True)
-class Distribution(Mirrored):
+class Beckmann(Mirrored):
     """Gaussian slopes, of variance alpha^2 / 2 along each axis."""
 
     def D(self, m: Array) -> Array:

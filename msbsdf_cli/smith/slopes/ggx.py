@@ -9,7 +9,7 @@ from surfaces.facet import Array, unit_circle
 
 
 @dataclass(frozen=True)
-class Distribution(Slopes):
+class Ggx(Slopes):
     """The distribution of Trowbridge and Reitz: normals of a stretched ellipsoid."""
 
     def D(self, m: Array) -> Array:

@@ -15,7 +15,7 @@ from surfaces.facet import Array
 
 
 @dataclass(frozen=True)
-class Distribution(Mirrored):
+class StudentT(Mirrored):
     """Slopes, each over its roughness, of density (1 + r^2 / (gamma - 1))^-gamma / pi.
 
     GGX at gamma = 2, towards Beckmann's as gamma grows. Gamma is above 3/2, where the surface has
