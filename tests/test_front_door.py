@@ -114,6 +114,9 @@ def test_a_field_is_traced_and_compared(traced, tmp_path):
     loaded = ms.load(tmp_path / "truth.npz")
     assert np.array_equal(loaded.energy_stderr, more.energy_stderr)
     assert loaded.settings == more.settings
+    columns = loaded.to_columns()
+    assert columns["order"] == [o for o in ("1", "2", "3", "4", ">4") for _ in range(2)]
+    assert columns["energy"][2] == loaded.energy[1, 0]
     model = ms.Smith(ms.Beckmann(0.5, 0.5), ms.Conductor())
     smith = ms.walk(model, WI, samples=200_000)
     rows = ms.compare(loaded, smith)
