@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from msbsdf_cli.methods.bound import Bsdf, method, methods
     from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
     from msbsdf_cli.model import Smith, hemisphere
-    from msbsdf_cli.results import Result, load, merge
+    from msbsdf_cli.results.result import Result, load, merge
     from msbsdf_cli.scene import direction
     from msbsdf_cli.smith.slopes import Beckmann, Ggx, StudentT
     from surfaces.field import HeightField
@@ -36,15 +36,15 @@ HOMES = {
     "Evaluation": "msbsdf_cli.methods.protocol",
     "Ggx": "msbsdf_cli.smith.slopes",
     "HeightField": "surfaces.field",
-    "Result": "msbsdf_cli.results",
+    "Result": "msbsdf_cli.results.result",
     "Smith": "msbsdf_cli.model",
     "StudentT": "msbsdf_cli.smith.slopes",
     "UnsupportedError": "msbsdf_cli.methods.protocol",
     "compare": "msbsdf_cli.experiments.compare",
     "direction": "msbsdf_cli.scene",
     "hemisphere": "msbsdf_cli.model",
-    "load": "msbsdf_cli.results",
-    "merge": "msbsdf_cli.results",
+    "load": "msbsdf_cli.results.result",
+    "merge": "msbsdf_cli.results.result",
     "method": "msbsdf_cli.methods.bound",
     "simulate": "msbsdf_cli.experiments.simulate",
     "walk": "msbsdf_cli.experiments.walk",

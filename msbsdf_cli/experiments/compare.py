@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from msbsdf_cli.results import Result
-from msbsdf_cli.studies.agreement import Row, distance, signed
-from msbsdf_cli.studies.distances import Histogram, total_variation
-from msbsdf_cli.studies.tables import order_names
-from msbsdf_cli.tally import PHI_BINS, SIDES, THETA_BINS, merge_bins
+from msbsdf_cli.experiments.agreement import Row, distance, signed
+from msbsdf_cli.results.result import Result
+from msbsdf_cli.results.tables import order_names
+from msbsdf_cli.statistics.distances import Histogram, total_variation
+from msbsdf_cli.statistics.tally import PHI_BINS, SIDES, THETA_BINS, merge_bins
 from surfaces.facet import Array
 
 SAME = ("material", "wi", "orders")

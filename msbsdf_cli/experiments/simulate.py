@@ -4,8 +4,8 @@ import numpy as np
 
 from msbsdf_cli.checks import count, direction_in
 from msbsdf_cli.model import described
-from msbsdf_cli.results import Result
-from msbsdf_cli.tally import Tally
+from msbsdf_cli.results.result import Result
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 from surfaces.field import HeightField
 from surfaces.materials import Material

@@ -7,10 +7,10 @@ import numpy as np
 
 from msbsdf_cli.checks import count, direction_in
 from msbsdf_cli.model import Smith
-from msbsdf_cli.parallel import Workers, in_order
-from msbsdf_cli.results import Result
+from msbsdf_cli.results.result import Result
+from msbsdf_cli.run.executors import Workers, in_order
 from msbsdf_cli.smith.walk import random_walk
-from msbsdf_cli.tally import Tally
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 from surfaces.streams import stream
 

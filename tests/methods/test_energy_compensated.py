@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from msbsdf_cli.experiments.furnace import FurnaceJob, run_furnace
 from msbsdf_cli.methods.energy_compensated import EnergyCompensated
 from msbsdf_cli.methods.single import Single
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
-from msbsdf_cli.studies.furnace import FurnaceJob, run_furnace
 from surfaces.materials import Conductor, Dielectric
 
 LAST = float(np.nextafter(np.pi / 2, 0))

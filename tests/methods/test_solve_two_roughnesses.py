@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from msbsdf_cli.commands import evaluate, furnace
+from msbsdf_cli.cli import evaluate, furnace
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.smith.slopes import distribution
 from msbsdf_cli.smith.walk import random_walk

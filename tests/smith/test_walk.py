@@ -7,7 +7,7 @@ from scipy.special import ndtr, ndtri
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import NAMES, Beckmann, Ggx, Lambda, distribution
 from msbsdf_cli.smith.walk import flip, free_path, random_walk
-from msbsdf_cli.tally import Tally
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.materials import METALS, Conductor, Dielectric, Diffuse
 
 

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from msbsdf_cli.cli import group
-from msbsdf_cli.studies.identities.suite import IDENTITIES, name, plan
+from msbsdf_cli.validation.suite import IDENTITIES, name, plan
 from surfaces import streams
 
 ROOT = Path(__file__).parents[2]
@@ -27,8 +27,8 @@ RUNS = [
     ],
 ]
 FEWER = {
-    "msbsdf_cli.studies.convergence": {"SURFACES": 2, "CELLS": (4, 6), "EXTENTS": (8, 16)},
-    "msbsdf_cli.studies.tradeoff.roughness": {"ALPHAS": (0.5, 1.0)},
+    "msbsdf_cli.experiments.convergence": {"SURFACES": 2, "CELLS": (4, 6), "EXTENTS": (8, 16)},
+    "msbsdf_cli.experiments.tradeoff.roughness": {"ALPHAS": (0.5, 1.0)},
 }
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from msbsdf_cli.smith.slopes import Beckmann, Lambda
-from msbsdf_cli.tally import Tally
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.free_path import level_points, next_heights
 from surfaces.heightfield import all_waves, synthesise
 from surfaces.materials import METALS, Conductor, Dielectric, Diffuse

@@ -1,0 +1,70 @@
+"""The command `msbsdf`. Commands are imported when they are called, so that help is immediate."""
+
+import os
+import sys
+from importlib import import_module
+
+import click
+
+from msbsdf_cli import __version__
+
+COMMANDS = {
+    "simulate": "Trace light on explicit random Beckmann surfaces.",
+    "walk": "Run the Smith random walk: no surface, only its statistics.",
+    "compare": "Hold the model against the surfaces: free paths and lobes.",
+    "evaluate": "Evaluate the BSDF along a slice of directions, by any method.",
+    "validate": "The published identities, each with a figure and a verdict.",
+    "furnace": "Directional albedo of every method; the white sphere.",
+    "tradeoff": "Error against time for every method, on one chart.",
+}
+
+
+class Lazy(click.Group):
+    """A group that imports `msbsdf_cli.cli.NAME` only for the command that is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names in the order of a first reading."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """The command, or None."""
+        if name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"msbsdf_cli.cli.{name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="msbsdf")
+def group() -> None:
+    """Microfacet models of multiple scattering, put to the test on explicit random surfaces.
+
+    Start with `msbsdf compare`.
+    """
+
+
+def main() -> None:
+    """Run the command line; a failed run ends with one sentence and status 1."""
+    # One process a core is the parallelism here; threads of a linear algebra library would
+    # only compete with it.
+    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    try:
+        group(standalone_mode=True)
+    except (OSError, MemoryError, ArithmeticError, RuntimeError) as error:
+        click.echo(f"Error: the run failed: {describe(error)}", err=True)
+        sys.exit(1)
+
+
+def describe(error: BaseException) -> str:
+    """What went wrong, as a sentence."""
+    if isinstance(error, MemoryError):
+        return "there is not enough memory; a smaller --extent or a coarser --accuracy needs less."
+    if isinstance(error, OSError) and error.filename:
+        return f"{error.strerror} ({error.filename})."
+    return f"{error}" or type(error).__name__

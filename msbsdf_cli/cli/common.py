@@ -1,0 +1,131 @@
+"""What the commands share: the scene from the options, warnings, and where reports go."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from msbsdf_cli.results.directory import refuse_existing
+from msbsdf_cli.results.run import FreePaths
+from msbsdf_cli.scene import Scene, metal_indices
+from msbsdf_cli.smith.heights import HEIGHTS
+from msbsdf_cli.smith.slopes import parameters
+from surfaces.materials import MOST_INDEX
+
+WALKS_PER_S = 5e6
+RAYS_PER_S = 1e6
+TRIANGLES_PER_S = 1e6
+"""Rough rates of one core, for telling beforehand what takes long."""
+
+LONG_S = 600
+
+
+def scene_from(options: dict[str, Any]) -> Scene:
+    """The scene that options describe. Raises click.UsageError for a metal given twice, and
+    click.BadParameter for indices that are none."""
+    if options["metal"] is not None and options["eta_k"] is not None:
+        raise click.UsageError("--metal and --eta-k both give the metal's index; give one of them.")
+    given = options["eta_k"] or ()
+    low = any(n <= 0 for n in given[::2]) or any(k < 0 for k in given[1::2])
+    if len(given) % 2 or low or any(x > MOST_INDEX for x in given):
+        raise click.BadParameter(
+            f"{','.join(f'{x:g}' for x in given)} is not a metal's index: N above 0, K 0 or more, "
+            f"both at most {MOST_INDEX:g}.",
+            param_hint="--eta-k",
+        )
+    conductor = options["material"] == "conductor"
+    indices = metal_indices(options["metal"], given, options.get("rgb", False))
+    albedo = options["albedo"]
+    return Scene(
+        shape=tuple((name, options[name]) for name in parameters(options["slopes"])),
+        material=options["material"],
+        alpha=options["alpha"],
+        theta=options["theta"],
+        phi=options["phi"][0],
+        slopes=options["slopes"],
+        ior=options["ior"],
+        eta_k=indices if conductor else (),
+        albedo=albedo if isinstance(albedo, tuple) else (albedo,),
+        orders=options["orders"],
+    )
+
+
+def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
+    """Empty free paths of the wanted directions and heights of start.
+
+    Raises click.BadParameter for a height at which there is no surface.
+    """
+    distribution = HEIGHTS[heights]
+    starts = options["free_path_height"] or distribution.starts
+    for start in starts:
+        if distribution.t(start) == float("inf"):
+            raise click.BadParameter(
+                f"{start:g} is below all of the surface, whose heights are {heights}.",
+                param_hint="--free-path-height",
+            )
+    return FreePaths(options["free_path_theta"], starts, distribution.edges)
+
+
+def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
+    """Sentences on what is allowed but has no effect, or costs accuracy or hours; `work_s` is
+    about how many seconds one core will need."""
+    warnings = []
+    given = click.get_current_context().get_parameter_source
+    belongs = {"metal": "conductor", "eta_k": "conductor", "albedo": "diffuse", "ior": "dielectric"}
+    for name, material in belongs.items():
+        explicit = given(name) is click.core.ParameterSource.COMMANDLINE
+        if explicit and options["material"] != material:
+            warnings.append(
+                f"--{name.replace('_', '-')} has no effect: it is for --material {material}, "
+                f"and this is {options['material']}."
+            )
+    roughest = max(options["alpha"])
+    if roughest > 5:
+        warnings.append(
+            f"alpha {roughest:g} is rougher than surfaces are: light takes many bounces, "
+            "and the run takes long."
+        )
+    expected = work_s / options["threads"]
+    if expected > LONG_S:
+        fewer = "--replicates or --directions" if "replicates" in options else "--samples"
+        warnings.append(f"this will take about {duration(expected)}; fewer {fewer} take less.")
+    return warnings
+
+
+def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]:
+    """The methods that the user wants, or all that hold for the scene.
+
+    Raises click.BadParameter for a method that does not.
+    """
+    from msbsdf_cli.methods.protocol import UnsupportedError
+    from msbsdf_cli.methods.registry import METHODS
+
+    holding = []
+    for name in wanted or METHODS:
+        try:
+            METHODS[name].refuse(scene.distribution(), scene.facets())
+            holding.append(name)
+        except UnsupportedError as refusal:
+            if wanted:
+                raise click.BadParameter(f"{refusal}.", param_hint="--method") from None
+    return tuple(holding)
+
+
+def announce(warnings: list[str]) -> None:
+    """Say the warnings on standard error."""
+    for sentence in warnings:
+        click.echo(f"Warning: {sentence}", err=True)
+
+
+def out_directory(command: str, slug: str, options: dict[str, Any]) -> Path:
+    """Where the report goes. Raises click.BadParameter for a place that is taken."""
+    out = Path(options["out"] or f"reports/{command}-{slug}")
+    refuse_existing(out, options["force"])
+    return out
+
+
+def duration(seconds: float) -> str:
+    """About how long, in words."""
+    if seconds > 2 * 86400:
+        return f"{seconds / 86400:.3g} days"
+    return f"{seconds / 3600:.1f} hours" if seconds > 7200 else f"{seconds / 60:.0f} minutes"

@@ -1,0 +1,103 @@
+"""`msbsdf evaluate`"""
+
+from typing import Any
+
+import click
+
+from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, samples, use
+
+
+@click.command("evaluate")
+@use("method", "bidirectional", *MODEL_IN_COLOUR, "phi-o", "points", "orders")
+@samples("1e5")
+@use("seed", "threads", "precision", *REPORT)
+def command(**options: Any) -> None:
+    """Evaluate the BSDF along a slice of directions, by any method.
+
+    Writes BSDF x cos(theta_o) of each method, order by order and in total, with standard errors,
+    and a picture. Without --method: all methods that hold for the material.
+    """
+    from msbsdf_cli.cli import common
+    from msbsdf_cli.experiments.evaluate import evaluate
+    from msbsdf_cli.experiments.slices import slice_directions, slice_table
+    from msbsdf_cli.methods.position_free import PositionFree
+    from msbsdf_cli.methods.registry import METHODS
+    from msbsdf_cli.plots.slices import draw_slices
+    from msbsdf_cli.results import manifest
+    from msbsdf_cli.results.directory import new_report
+
+    scene = common.scene_from(options)
+    options["method"] = common.methods_for(scene, options["method"])
+    out = common.out_directory("evaluate", scene.slug(), options)
+    walks = options["samples"] * len(options["theta"]) * len(options["method"])
+    warnings = common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S)
+    both_ends = options["bidirectional"]
+    if both_ends and not any(issubclass(METHODS[name], PositionFree) for name in options["method"]):
+        warnings.append("--bidirectional has no effect: it is for the position-free methods.")
+    common.announce(warnings)
+    started, elapsed = manifest.now(), manifest.stopwatch()
+    directions = slice_directions(scene, options["phi_o"], options["points"])
+    arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
+    with new_report(out) as draft:
+        work = scene, options["method"], directions.wo, options["samples"]
+        values = evaluate(*work, *arithmetic, bidirectional=both_ends)
+        missed = hardly_known(values)
+        common.announce(missed)
+        warnings += missed
+        record = manifest.methods_record("evaluate", options, started, elapsed(), walks, warnings)
+        record["methods"] = [
+            {
+                "method": v.method,
+                "theta_i_rad": v.theta,
+                "unresolved": v.unresolved,
+                "seconds": v.seconds,
+            }
+            for v in values
+        ]
+        manifest.write_report(draft, record, {"slice.csv": slice_table(scene, directions, values)})
+        draw_slices(draft)
+    if options["as_json"]:
+        manifest.show_json(record | {"report": str(out)})
+    elif not options["quiet"]:
+        show(values, out)
+
+
+def hardly_known(values: list[Any]) -> list[str]:
+    """Sentences on where `solve` states a large error of the sum over orders."""
+    from msbsdf_cli.methods.solve import VALUE_KNOWN, Solve
+
+    errors = (
+        (v.theta, v.stderr[:, -1].max() / v.value[:, -1].max())
+        for v in values
+        if v.method == Solve.name and v.value[:, -1].max() > 0
+    )
+    return [
+        f"method solve knows values at theta {theta:.4g} to {error:.1g} of the largest only."
+        for theta, error in errors
+        if error > VALUE_KNOWN
+    ]
+
+
+EVALUATIONS_PER_S = 2e7
+"""Rough rate of one core in walks times directions, for telling beforehand what takes long."""
+
+
+def show(values: list[Any], out: Any) -> None:
+    """Print the largest total of each method and its standard error, and the time it took."""
+    from msbsdf_cli.cli.terminal import measured, show_table
+
+    lines = []
+    for v in values:
+        total, stderr = v.value[0, -1], v.stderr[0, -1]
+        top = int(total.argmax())
+        lines.append(
+            (
+                f"{v.theta:.4g}",
+                v.method,
+                measured(float(total[top]), float(stderr[top])),
+                f"{v.unresolved:.2g}",
+                f"{v.seconds:.2f}",
+            )
+        )
+    show_table(("theta", "method", "largest value [1/sr]", "unresolved", "seconds"), lines)
+    click.echo(f"Report: {out}")

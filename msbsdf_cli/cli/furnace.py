@@ -1,0 +1,111 @@
+"""`msbsdf furnace`"""
+
+from typing import Any
+
+import click
+
+from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Roughness, samples, use
+
+
+@click.command("furnace")
+@click.option(
+    "--alpha",
+    type=Roughness(),
+    multiple=True,
+    default=("0.1", "0.3", "0.6", "1"),
+    show_default=True,
+    help="Roughness, along x and y; repeat it for several.",
+)
+@use("method", *(name for name in MODEL_IN_COLOUR if name not in ("alpha", "theta")))
+@use("theta-furnace", "orders", "accuracy-of-solve")
+@samples("4096")
+@use("seed", "threads", *REPORT)
+def command(**options: Any) -> None:
+    """Directional albedo of every method, order by order, over angle and roughness; the white
+    sphere.
+
+    Without --method: all methods that hold for the material. A sphere that disappears before the
+    white wall conserves energy.
+    """
+    from msbsdf_cli.cli import common
+    from msbsdf_cli.experiments.furnace import furnace, furnace_table
+    from msbsdf_cli.methods.solve import Solve
+    from msbsdf_cli.plots.furnace import draw_furnace
+    from msbsdf_cli.results import manifest
+    from msbsdf_cli.results.directory import new_report
+
+    alphas = options["alpha"]
+    scene = common.scene_from(options | {"alpha": alphas[0]})
+    options["method"] = common.methods_for(scene, options["method"])
+    out = common.out_directory("furnace", f"{scene.material}-{scene.slopes}", options)
+    warnings = common.scene_warnings(options | {"alpha": sum(alphas, ())}, 0.0)
+    accuracy = options["accuracy"]
+    if accuracy is not None and Solve.name not in options["method"]:
+        warnings.append("--accuracy has no effect: it is for --method solve.")
+    common.announce(warnings)
+    started, elapsed = manifest.now(), manifest.stopwatch()
+    settings = options["samples"], options["seed"], accuracy, options["threads"], options["quiet"]
+    with new_report(out) as draft:
+        results = furnace(scene, alphas, options["method"], *settings)
+        missed = not_reached(results, accuracy) if accuracy else hardly_known(scene, results)
+        common.announce(missed)
+        warnings += missed
+        walks = options["samples"] * len(results) * len(scene.theta)
+        record = manifest.methods_record("furnace", options, started, elapsed(), walks, warnings)
+        manifest.write_report(draft, record, {"furnace.csv": furnace_table(scene, results)})
+        draw_furnace(draft)
+    if options["as_json"]:
+        manifest.show_json(record | {"report": str(out)})
+    elif not options["quiet"]:
+        show(scene, results)
+        click.echo(f"Report: {out}")
+
+
+def hardly_known(scene: Any, results: list[Any]) -> list[str]:
+    """Sentences on where `solve` states a large error of an order's energy."""
+    from msbsdf_cli.methods.solve import ENERGY_KNOWN, Solve
+
+    errors = (
+        (r.alpha, theta, stderr[:, :-1].max())
+        for r in results
+        if r.method == Solve.name
+        for theta, stderr in zip(scene.theta, r.stderr.max(axis=0), strict=True)
+    )
+    return [
+        f"method solve knows the energies of alpha {alpha[0]:g},{alpha[1]:g} at theta {theta:.4g} "
+        f"to {error:.1g} only; --accuracy asks for more nodes."
+        for alpha, theta, error in errors
+        if error > ENERGY_KNOWN
+    ]
+
+
+def not_reached(results: list[Any], accuracy: float) -> list[str]:
+    """Sentences on where `solve` does not know an order's energy as well as was wanted."""
+    from msbsdf_cli.methods.solve import Solve
+
+    solved = (r for r in results if r.method == Solve.name)
+    errors = ((r.alpha, r.stderr[..., :-1].max()) for r in solved)
+    return [
+        f"method solve reached an error of {error:.2g} at alpha {alpha[0]:g},{alpha[1]:g}, "
+        f"not {accuracy:g}."
+        for alpha, error in errors
+        if error > accuracy
+    ]
+
+
+def show(scene: Any, results: list[Any]) -> None:
+    """Print the albedo of the first channel, a line for each method and roughness."""
+    from msbsdf_cli.cli.terminal import measured, show_table
+
+    lines = [
+        (
+            r.method,
+            ",".join(f"{a:g}" for a in dict.fromkeys(r.alpha)),
+            *(
+                measured(float(v[0, -1]), float(e[0, -1]))
+                for v, e in zip(r.value[0], r.stderr[0], strict=True)
+            ),
+        )
+        for r in results
+    ]
+    show_table(("method", "alpha", *(f"{t:.4g}" for t in scene.theta)), lines)

@@ -1,1 +1,0 @@
-"""The commands, one file each: what the user types becomes a study and a report."""

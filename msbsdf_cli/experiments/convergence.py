@@ -1,0 +1,134 @@
+"""How far a simulated energy depends on the mesh, the period, the waves and the offset of rays.
+
+Cells and offsets are compared on the same fields with the same rays, so that only their own effect
+is left; periods and numbers of waves on independent surfaces of the same total area.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msbsdf_cli.experiments.realisations import Resolution, make_surface
+from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.tables import order_names
+from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.statistics.tally import SIDES, Tally
+from surfaces.facet import Array
+from surfaces.streams import stream
+from surfaces.tracing import Tracer
+
+CELLS = (4, 8, 16, 32, 48)
+LIFTS = (1.0, 10.0, 100.0, 1000.0)
+"""Offsets of secondary rays, over the one that is used."""
+EXTENTS = (8, 16, 32)
+WAVES = (30, 100, 300, 1000, None)
+EXTENT, CELLS_ELSE = 16, 8
+"""Of the surfaces on which something else is varied."""
+SURFACES = 32
+"""On which cells and offsets are varied; independent surfaces of something else are 4 times more,
+since nothing of their noise cancels."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One surface, traced in one or several ways."""
+
+    scene: Scene
+    parameter: str
+    values: tuple[float | None, ...]
+    number: int
+    resolution: Resolution
+    rays: int
+    seed: int
+
+
+def convergence(scene: Scene, samples: int, seed: int, threads: int, quiet: bool) -> Table:
+    """convergence.csv: energies, and their differences from the last value of each parameter.
+
+    `samples` rays for each incident angle and value are spread over `SURFACES` surfaces of 16
+    correlation lengths, or the same area of others.
+    """
+    rays = max(samples // SURFACES, 1)
+    base = Resolution(CELLS_ELSE, EXTENT, 0)
+    trials = [Trial(scene, "cells", CELLS, i, base, rays, seed) for i in range(SURFACES)]
+    trials += [Trial(scene, "lift", LIFTS[::-1], i, base, rays, seed) for i in range(SURFACES)]
+    for extent in EXTENTS:
+        count = 4 * SURFACES * EXTENT**2 // extent**2
+        resolution = Resolution(CELLS_ELSE, extent, 0)
+        part = max(4 * samples // count, 1)
+        trials += [
+            Trial(scene, "extent", (extent,), i, resolution, part, seed) for i in range(count)
+        ]
+    for waves in WAVES:
+        resolution = Resolution(CELLS_ELSE, EXTENT, 0, waves)
+        trials += [
+            Trial(scene, "waves", (waves,), i, resolution, rays, seed) for i in range(4 * SURFACES)
+        ]
+    results: dict[tuple[str, float | None], list[Array]] = {}
+    with Progress("convergence", len(trials), "surfaces", quiet) as progress:
+        for trial, energies in zip(trials, in_order(_energies, trials, threads), strict=True):
+            for value, energy in zip(trial.values, energies, strict=True):
+                results.setdefault((trial.parameter, value), []).append(energy)
+            progress.advance(1)
+    return _table(scene, {key: np.array(list_) for key, list_ in results.items()})
+
+
+def _energies(trial: Trial) -> list[Array]:
+    """Energies (theta, order, side) for each value of the parameter."""
+    out = []
+    for value in trial.values:
+        resolution = trial.resolution
+        if trial.parameter == "cells":
+            resolution = Resolution(int(value or 0), resolution.extent, 0)
+        field = trial.parameter, trial.number, resolution.extent, resolution.waves or 0
+        rng = stream(trial.seed, "convergence heightfield", *field)
+        surface = make_surface(resolution, rng)
+        if trial.parameter == "lift":
+            surface.lift *= value or 0
+        stretch = surface.stretch(*trial.scene.alpha, trial.scene.phi)
+        tracer = Tracer(surface, stretch, trial.scene.facets())
+        energies = []
+        for i, theta in enumerate(trial.scene.theta):
+            rng = stream(trial.seed, "convergence rays", *field, i)
+            tally = Tally(trial.scene.orders, independent=False)
+            for light in tracer.trace(trial.scene.wi(theta), trial.rays, rng, 1000):
+                tally.add(light)
+            energies.append(tally.as_unit().estimate("energy").value)
+        out.append(np.array(energies))
+    return out
+
+
+def _table(scene: Scene, results: dict[tuple[str, float | None], Array]) -> Table:
+    names = ("parameter", "value", "theta_i_rad", "order", "side", "energy", "stderr")
+    table: dict[str, list[float | str]] = {
+        name: [] for name in (*names, "difference", "difference_stderr")
+    }
+    finest = {parameter: energies for (parameter, _), energies in results.items()}
+    for (parameter, value), energies in results.items():
+        last = finest[parameter]
+        mean, stderr = _mean(energies)
+        if parameter in ("cells", "lift"):
+            apart, apart_stderr = _mean(energies - last)
+        else:
+            reference, reference_stderr = _mean(last)
+            apart = mean - reference
+            apart_stderr = np.hypot(stderr, reference_stderr) * (energies is not last)
+        for i, theta in enumerate(scene.theta):
+            for j, order in enumerate(order_names(scene.orders)):
+                for k, side in enumerate(SIDES[: 1 + scene.facets().transmits]):
+                    row = (
+                        parameter,
+                        "all" if value is None else float(value),
+                        theta,
+                        order,
+                        side,
+                        *(float(a[i, j, k]) for a in (mean, stderr, apart, apart_stderr)),
+                    )
+                    for column, cell in zip(table.values(), row, strict=True):
+                        column.append(cell)
+    return table
+
+
+def _mean(samples: Array) -> tuple[Array, Array]:
+    return samples.mean(axis=0), samples.std(axis=0, ddof=1) / np.sqrt(len(samples))

@@ -1,0 +1,206 @@
+"""Directional albedo of every method: what comes back of light from everywhere, all the same.
+
+By reciprocity it is also how bright a surface is under constant white light. The first bounce is
+the mean weight of its own sampler; what the method adds to it is integrated by Monte Carlo over
+outgoing directions, with an estimate of the method's own noise in it. A method that knows its
+energy without adding up values is asked. The standard error is the spread of repetitions and, in
+quadrature, a bound on undersampling: rare bounces that none of them met are not in their spread.
+So is the error that a method without noise states of its values, which is no noise.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msbsdf_cli.experiments.slices import channel_names
+from msbsdf_cli.methods.directions import exits
+from msbsdf_cli.methods.protocol import Method
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.methods.single import Single, first_order, phase_density
+from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.tables import order_names
+from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.scene import Scene, direction
+from surfaces.facet import Array, unit_circle
+from surfaces.streams import stream
+
+REPEATS = 16
+"""At least so many independent repetitions, whose spread is the standard error."""
+DIRECTIONS = 256
+"""Outgoing directions of a repetition, and walks if there are more than enough repetitions: noise
+comes from both alike."""
+QUARTER = 5
+"""Azimuths from the x to the y axis, where the two roughnesses differ."""
+FIRST = 16384
+"""Samples of the first bounce of a repetition."""
+
+
+@dataclass(frozen=True)
+class FurnaceJob:
+    """One method at one roughness, all angles."""
+
+    scene: Scene
+    method: str
+    samples: int
+    seed: int
+    accuracy: float | None
+    """Wanted of `solve`."""
+
+
+@dataclass
+class Albedos:
+    """Albedo and standard error of a method at a roughness, (phi, theta, channels, orders + 2):
+    orders 1 to K, all the later ones, and all together."""
+
+    method: str
+    alpha: tuple[float, float]
+    phi: tuple[float, ...]
+    """Incident azimuths in radians, the scene's own first."""
+    value: Array
+    stderr: Array
+
+
+def furnace(
+    scene: Scene,
+    alphas: tuple[tuple[float, float], ...],
+    methods: tuple[str, ...],
+    samples: int,
+    seed: int,
+    accuracy: float | None,
+    threads: int,
+    quiet: bool,
+) -> list[Albedos]:
+    """All methods at all roughnesses, for the incident angles of `scene`."""
+    jobs = [
+        FurnaceJob(replace(scene, alpha=alpha), name, samples, seed, accuracy)
+        for name in methods
+        for alpha in alphas
+    ]
+    results = []
+    with Progress("furnace", len(jobs), "surfaces", quiet) as progress:
+        for result in in_order(run_furnace, jobs, threads):
+            results.append(result)
+            progress.advance(1)
+    return results
+
+
+def run_furnace(job: FurnaceJob) -> Albedos:
+    """Albedos of one method at one roughness."""
+    scene = job.scene
+    arguments = scene.distribution(), scene.facets(), scene.orders
+    phis = azimuths(scene)
+    directions = np.stack([direction(t, p) for p in phis for t in scene.theta], axis=1)
+    if job.method == Solve.name and job.accuracy is not None:
+        method: Method = Solve.accurate(*arguments, directions, job.accuracy)
+    else:
+        method = METHODS[job.method](*arguments)
+    single = Single(*arguments)
+    rows = []
+    for i, wi in enumerate(directions.T):
+        known = method.albedo(wi)
+        if known is not None:
+            rows.append([_with_total(a) for a in known])
+            continue
+        n = max(REPEATS, job.samples // DIRECTIONS)
+        walks = -(-job.samples // n)
+        place = job.method, repr(scene.alpha), i
+        streams = (stream(job.seed, "furnace", *place, repeat) for repeat in range(n))
+        repeats = [_integrate(method, single, wi, walks, rng) for rng in streams]
+        mean, stated = np.moveaxis(np.array(repeats), 1, 0)
+        spread = mean.std(axis=0, ddof=1) / np.sqrt(n)
+        unseen = _unseen(method, n * walks, n * FIRST, scene.orders)
+        stderr = np.sqrt(spread**2 + unseen**2 + stated.mean(axis=0) ** 2)
+        rows.append([mean.mean(axis=0), stderr])
+    found: Array = np.array(rows).reshape(len(phis), len(scene.theta), 2, *np.shape(rows[0])[1:])
+    value, stderr = np.moveaxis(found, 2, 0)
+    return Albedos(job.method, scene.alpha, phis, value, stderr)
+
+
+def azimuths(scene: Scene) -> tuple[float, ...]:
+    """The scene's azimuth, and of two roughnesses a grid over the quarter turn, which by symmetry
+    stands for the whole one."""
+    if scene.alpha[0] == scene.alpha[1]:
+        return (scene.phi,)
+    return tuple(dict.fromkeys((scene.phi, *np.linspace(0, np.pi / 2, QUARTER).tolist())))
+
+
+def _integrate(
+    method: Method, single: Single, wi: Array, walks: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """One repetition: albedos (channels, orders + 2), and what errors that a method without noise
+    states of its values come to, likewise."""
+    first = single.sample(wi, FIRST, rng)[1].mean(axis=1)
+    wo, share = _outgoing(single, wi, rng)
+    found = method.evaluate(wi, wo, walks, rng)
+    added = found.value
+    added[:, 0] -= first_order(single.slopes, single.material, wi, exits(single.slopes, wo))
+    orders = added @ share
+    orders[:, 0] += first
+    stated = found.stderr @ share if method.deterministic else np.zeros_like(orders)
+    return _with_total(orders), _with_total(stated)
+
+
+def _unseen(method: Method, walks: int, first: int, orders: int) -> Array:
+    """What paths that none of the walks has met may add to the albedos, (orders + 2,).
+
+    A walk carries at most all of the light, so that what has not happened in n walks is worth
+    about 1 / n. The first bounce is drawn `first` times; after that a method without noise adds
+    nothing that could be missed, and one with noise draws `walks` of them.
+    """
+    later = 0.0 if method.deterministic else 1 / walks
+    unseen = np.full(orders + 2, later)
+    unseen[0] = 1 / first
+    unseen[-1] = max(later, 1 / first)
+    return unseen
+
+
+def _with_total(orders: Array) -> Array:
+    """(channels, orders + 1) and their sum."""
+    return np.concatenate([orders, orders.sum(axis=1, keepdims=True)], axis=1)
+
+
+def _outgoing(single: Single, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Outgoing directions (3, n) and 1 / (n density) (n,): half of them from cosine lobes on each
+    side that light leaves on, half from the first bounce; 0 where that one does not leave."""
+    n = DIRECTIONS // 2
+    cos_phi, sin_phi = unit_circle(n, rng)
+    # Strata: each n-th of the squared radius once.
+    radius2 = (rng.permutation(n) + rng.random(n)) / n
+    sides = 2 if single.material.transmits else 1
+    z = np.sqrt(1 - radius2) * np.where(np.arange(n) % sides == 1, -1, 1)
+    lobe = np.stack([np.sqrt(radius2) * cos_phi, np.sqrt(radius2) * sin_phi, z])
+    bounced, weight = single.sample(wi, n, rng)
+    leaves = np.append(np.ones(n, bool), weight[0] > 0)
+    wo = np.hstack([lobe, np.where(leaves[n:], bounced, lobe)])
+    density = phase_density(single.slopes, single.material, wi, wo)
+    density += np.abs(wo[2]) / np.pi / sides
+    return wo, leaves / (n * density)
+
+
+def furnace_table(scene: Scene, results: list[Albedos]) -> Table:
+    """furnace.csv"""
+    names = ("method", "material", "slopes", "alpha_x", "alpha_y", "theta_i_rad", "order")
+    table: dict[str, list[float | str]] = {
+        name: [] for name in (*names, "albedo", "stderr", "channel", "phi_i_rad")
+    }
+    orders = [*order_names(scene.orders), "all"]
+    for result in results:
+        channels = channel_names(result.value.shape[2])
+        for place in np.ndindex(result.value.shape):
+            p, i, c, k = place
+            row: tuple[float | str, ...] = (
+                result.method,
+                scene.material,
+                scene.slopes,
+                *result.alpha,
+                scene.theta[i],
+                orders[k],
+                float(result.value[place]),
+                float(result.stderr[place]),
+                channels[c],
+                result.phi[p],
+            )
+            for column, cell in zip(table.values(), row, strict=True):
+                column.append(cell)
+    return table

@@ -1,0 +1,156 @@
+"""What a paper says of noise, measured on the image of a slab.
+
+[WJFYHY22 supp.] Figure 17: error over time of the correlated position-free model and of the walk of
+[HHdD16], on a slab under a directional light, over roughness. Each pixel is one pair of directions
+with walks of its own. Text there: two samples a pixel come very close to the truth, and the
+position-free estimator is consistently better.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+
+from msbsdf_cli.experiments.tradeoff.directions import Lobe
+from msbsdf_cli.experiments.tradeoff.measuring import timed
+from msbsdf_cli.experiments.tradeoff.roughness import ALPHAS
+from msbsdf_cli.methods.position_free import PositionFreeCorrelated
+from msbsdf_cli.methods.protocol import Method
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.results.directory import Table
+from msbsdf_cli.scene import Scene, direction
+from msbsdf_cli.statistics.errors import inner_products
+from surfaces.facet import Array
+from surfaces.streams import seed_sequence
+
+LIGHT = 0.7
+"""Polar angle of the light in radians; the paper does not give its own."""
+VIEW = 0.7
+"""Polar angle of the view's middle, on the side to which a mirror would send the light."""
+FIELD_OF_VIEW = 0.7
+PIXELS = 8
+"""Of the slab's image, each way."""
+SAMPLES = (1, 2, 4, 8, 16, 32, 64)
+"""Walks for each pixel."""
+
+WALKS = 1024
+"""Walks whose mean tells the variance of one; and of a pixel when one is timed."""
+TIMED_WALKS = 8192
+REPLICATES = 12
+
+FIGURE_17 = (
+    *("method", "alpha_x", "alpha_y", "samples", "seconds_per_pixel", "relative_mse"),
+    *("relative_mse_stderr", "gain_over_walk", "gain_stderr"),
+)
+ESTIMATORS = (
+    "walk",
+    "walk-low-variance",
+    "position-free-correlated",
+    "position-free-correlated-bidirectional",
+    "exact",
+)
+
+
+def make(name: str, scene: Scene) -> Method:
+    """An estimator by name; the paper's own is the bidirectional one."""
+    arguments = scene.distribution(), scene.facets(), scene.orders
+    if name == "position-free-correlated-bidirectional":
+        return PositionFreeCorrelated(*arguments, bidirectional=True)
+    return METHODS[name](*arguments)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What one walk to one pixel is worth."""
+
+    variance: float
+    """Relative to the mean square of the image, of one walk a pixel."""
+    stderr: float
+    seconds: float
+    """Of one walk to one pixel, where there are many."""
+    image: Array
+    """Sum of all orders, mean of all walks, (channels, pixels)."""
+
+
+def noise(method: Method, lobe: Lobe, seed: int, *place: str) -> Noise:
+    """Variance and time of one walk to each of the directions of `lobe`; `place` is that of the
+    random stream.
+
+    The directions share walks here, which correlates them and leaves each one's variance as it is;
+    the time is of one direction alone.
+    """
+    seeds = (seed_sequence(seed, "slab", *place, r) for r in count())
+    values = np.stack(
+        [timed(method, WALKS, lobe, next(seeds))[0].sum(axis=1) for _ in range(REPLICATES)]
+    )
+    image = values.mean(axis=0)
+    scale = float((image**2 * lobe.solid_angle).sum())
+    gram = inner_products(values - image, lobe.solid_angle) / scale
+    # Deviations from their own mean: all but one are free.
+    each = np.diag(gram) * REPLICATES / (REPLICATES - 1) * WALKS
+    middle = lobe.wo.shape[1] // 2
+    one = Lobe(lobe.theta, lobe.wi, lobe.wo[:, middle : middle + 1], lobe.solid_angle[:1])
+    seconds = [timed(method, TIMED_WALKS, one, next(seeds))[1] for _ in range(5)]
+    return Noise(
+        float(each.mean()),
+        float(each.std(ddof=1) / np.sqrt(REPLICATES)),
+        float(np.median(seconds)) / TIMED_WALKS,
+        image,
+    )
+
+
+def slab(scene: Scene) -> Lobe:
+    """The pixels of a slab's image as a lobe; each has the same weight."""
+    across = (np.arange(PIXELS) + 0.5) / PIXELS - 0.5
+    up, side = np.meshgrid(across, across, indexing="ij")
+    azimuth = scene.phi + np.pi
+    middle = direction(VIEW, azimuth)
+    right = direction(np.pi / 2, azimuth + np.pi / 2)
+    above = np.cross(middle, right)
+    half = 2 * np.tan(FIELD_OF_VIEW / 2)
+    wo = middle[:, None] + half * (np.outer(above, up.ravel()) + np.outer(right, side.ravel()))
+    wo /= np.linalg.norm(wo, axis=0)
+    return Lobe(LIGHT, scene.wi(LIGHT), wo, np.full(PIXELS**2, 1.0))
+
+
+def figure_17(scene: Scene, seed: int) -> Table:
+    """figure_17.csv: relative error of the slab's image for each roughness, estimator and number
+    of samples. Errors are of the noise alone, each estimator about its own model's truth."""
+    rows = []
+    for alpha in ALPHAS:
+        there = _of_roughness(scene, alpha)
+        found = {
+            name: noise(make(name, there), slab(there), seed, name, repr(there.alpha))
+            for name in ESTIMATORS
+            if name != "exact" or not there.facets().transmits
+        }
+        walk = found["walk"]
+        for name, one in found.items():
+            gain = walk.variance * walk.seconds / (one.variance * one.seconds)
+            spread = np.hypot(walk.stderr / walk.variance, one.stderr / one.variance)
+            # A walk that never met a second facet has only rounding for an error.
+            known = min(walk.variance, one.variance) > np.finfo(float).eps
+            for n in SAMPLES:
+                error = n * one.seconds, one.variance / n, one.stderr / n
+                gains = (gain, gain * spread) if known else (np.nan, np.nan)
+                rows.append((name, *there.alpha, n, *map(float, (*error, *gains))))
+    return dict(zip(FIGURE_17, zip(*rows, strict=True), strict=True))
+
+
+def _of_roughness(scene: Scene, alpha: float) -> Scene:
+    scale = alpha / max(scene.alpha)
+    return replace(scene, alpha=(scale * scene.alpha[0], scale * scene.alpha[1]))
+
+
+def two_samples(table: Table) -> list[str]:
+    """How close two samples come, in words."""
+    said = []
+    rows = [dict(zip(table, cells, strict=True)) for cells in zip(*table.values(), strict=True)]
+    for name in ("walk", "position-free-correlated-bidirectional"):
+        errors = [
+            f"{np.sqrt(r['relative_mse']):.1%} at alpha {r['alpha_x']:g}"
+            for r in rows
+            if r["method"] == name and r["samples"] == 2
+        ]
+        said.append(f"Two samples a pixel of {name} leave an error of {', '.join(errors)}.")
+    return said

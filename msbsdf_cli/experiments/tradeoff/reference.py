@@ -1,0 +1,122 @@
+"""What the methods are judged by: the Smith model, better known than any of them knows it."""
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msbsdf_cli.experiments.tradeoff.directions import Lobe
+from msbsdf_cli.methods.protocol import UnsupportedError
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.statistics.errors import inner_products, taken_apart
+from surfaces.facet import Array
+from surfaces.streams import stream
+
+RESOLUTIONS = (0.5, 0.7, 1.0)
+"""Of `solve`, tried in turn; 1 is what the method itself takes for enough. The coarser solution
+that tells the error of the first, 3/4 as fine, is still finer than all that it judges."""
+
+ENOUGH = 1e-6
+"""Wanted relative error of a solved reference: a hundred times below what is worth a chart."""
+
+TOLERABLE = 2e-3
+"""Beyond it, walks may do better."""
+
+PATIENCE_S = 4
+"""After so many seconds no finer resolution is tried."""
+
+PARTS = 8
+"""Independent parts of a reference by chance; their spread is its noise."""
+
+MORE_WALKS = 32
+"""Walks of a reference by chance for one of the dearest setting it judges: if that has no less
+variance, it is sqrt(MORE_WALKS), nearly 6 times, further from the truth."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Values (channels, orders + 1, n) for each lobe, and how far they may be from the truth."""
+
+    method: str
+    resolution: float
+    """Of `solve`; not a number for another method."""
+    values: list[Array]
+    noise: list[float]
+    """Relative error of the sum over orders: for `solve` the difference of two resolutions."""
+    seconds: float
+
+
+def reference(
+    scene: Scene, lobes: list[Lobe], samples: int, seed: int, purpose: str = "chart"
+) -> Reference:
+    """By `solve`, ever finer until its own estimate is below `ENOUGH` or it takes too long; where
+    it does not hold, or not well, by many walks from both ends."""
+    started = time.perf_counter()
+    try:
+        found = _solved(scene, lobes)
+    except UnsupportedError:
+        return _by_chance(scene, lobes, MORE_WALKS * samples, seed, purpose)
+    if max(found.noise) < TOLERABLE:
+        return found
+    other = _by_chance(scene, lobes, MORE_WALKS * samples, seed, purpose)
+    best = min(found, other, key=lambda r: max(r.noise))
+    return replace(best, seconds=time.perf_counter() - started)
+
+
+def _solved(scene: Scene, lobes: list[Lobe]) -> Reference:
+    Solve.refuse(scene.distribution(), scene.facets())
+    started = time.perf_counter()
+    for resolution in RESOLUTIONS:
+        solve = Solve(scene.distribution(), scene.facets(), scene.orders, resolution)
+        found = [solve.evaluate(lobe.wi, lobe.wo) for lobe in lobes]
+        # Errors of orders need not have one sign: their sum is an upper bound.
+        noise = [
+            relative(e.stderr, e.value, lobe.solid_angle)
+            for e, lobe in zip(found, lobes, strict=True)
+        ]
+        seconds = time.perf_counter() - started
+        if max(noise) < ENOUGH or seconds > PATIENCE_S:
+            break
+    return Reference("solve", resolution, [e.value for e in found], noise, seconds)
+
+
+def references(
+    scene: Scene, lobes: list[Lobe], others: list[Lobe], samples: int, seed: int
+) -> tuple[Reference, Reference]:
+    """References for two sets of lobes, set up once."""
+    both = reference(scene, [*lobes, *others], samples, seed)
+    n = len(lobes)
+    first, second = (
+        replace(both, values=both.values[part], noise=both.noise[part])
+        for part in (slice(n), slice(n, None))
+    )
+    return first, second
+
+
+def relative(difference: Array, truth: Array, weight: Array) -> float:
+    """Root mean square over directions of orders' `difference`, over that of the truth."""
+    over, under = (float((a.sum(axis=1) ** 2 * weight).sum()) for a in (difference, truth))
+    return float(np.sqrt(over / under))
+
+
+def _by_chance(
+    scene: Scene, lobes: list[Lobe], samples: int, seed: int, purpose: str = "chart"
+) -> Reference:
+    started = time.perf_counter()
+    method = METHODS["walk-low-variance"](scene.distribution(), scene.facets(), scene.orders)
+    values, noise = [], []
+    for i, lobe in enumerate(lobes):
+        rng = stream(seed, "reference walks", purpose, i)
+        size = max(2, samples // PARTS)
+        parts = np.stack([method.evaluate(lobe.wi, lobe.wo, size, rng).value for _ in range(PARTS)])
+        mean = parts.mean(axis=0)
+        gram = inner_products((parts - mean).sum(axis=2), lobe.solid_angle)
+        scale = (mean.sum(axis=1) ** 2 * lobe.solid_angle).sum()
+        # Deviations from their own mean: r - 1 of r are free.
+        variance = taken_apart(gram).total * PARTS / (PARTS - 1) / PARTS
+        values.append(mean)
+        noise.append(float(np.sqrt(variance / scale)))
+    seconds = time.perf_counter() - started
+    return Reference("walk-low-variance", np.nan, values, noise, seconds)

@@ -1,0 +1,188 @@
+"""The floor under all effort: how far models are from explicit surfaces.
+
+Light of models and of surfaces is counted in the same bins, whose means need no interpolation.
+Distances are relative root mean squares over bins, weighted by solid angle as those of the methods
+are, and free of noise in the mean: products of independent units stand in for squares.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from msbsdf_cli.experiments.realisations import Resolution, SurfaceJob, trace_surface
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.statistics.errors import jackknife, root
+from msbsdf_cli.statistics.tally import PHI_BINS, THETA_BINS, lobe_axes, lobe_bin
+from surfaces.facet import Array
+from surfaces.streams import stream
+
+MERGED = 3
+"""Bins of a lobe merged each way: 9 degrees by 18, so that some light is in each."""
+
+PARTS = 8
+PART_SAMPLES = 32768
+"""Independent parts of a model's lobe, and samples of each."""
+
+FEWEST_GROUPS = 4
+"""Of surfaces, to tell their spread from."""
+
+
+@dataclass(frozen=True)
+class Distance:
+    """How far a model's lobe is from the surfaces', relative to theirs."""
+
+    theta: float
+    model: str
+    value: float
+    stderr: float
+
+
+@dataclass(frozen=True)
+class World:
+    """Surfaces traced: lobes, one unit for each realisation, and what they took."""
+
+    units: Array
+    """Energy in bins (realisations, angles, bins)."""
+    surface_s: list[float]
+    """Seconds for making each surface."""
+    trace_s: list[float]
+    """Seconds for tracing one incident angle on each."""
+    rays: int
+    """Of one angle on one surface."""
+
+
+def trace_world(
+    scene: Scene, resolution: Resolution, samples: int, seed: int, threads: int, quiet: bool
+) -> World:
+    """`samples` rays for each incident angle, spread over the realisations."""
+    rays = -(-samples // resolution.realisations)
+    jobs = (
+        SurfaceJob(scene, resolution, number, rays, (), (), (0.0, 1.0), seed, 10_000)
+        for number in range(resolution.realisations)
+    )
+    units, surface_s, trace_s = [], [], []
+    with Progress("surfaces", resolution.realisations, "surfaces", quiet) as progress:
+        for result in in_order(trace_surface, jobs, threads):
+            lobes = [t.estimate("lobe").value.sum(axis=0) for t in result.tallies]
+            units.append([merged(lobe) for lobe in lobes])
+            surface_s.append(result.surface_s)
+            trace_s.append(result.trace_s / len(scene.theta))
+            progress.advance(1)
+    return World(np.array(units), surface_s, trace_s, rays)
+
+
+def merged(lobe: Array) -> Array:
+    """Energy in merged bins (bins,), from that in all bins of each side (2, bins).
+
+    Azimuths are shifted by a bin, so that the plane of incidence stays in the middle of one.
+    """
+    fine = np.roll(lobe.reshape(2, THETA_BINS, PHI_BINS), MERGED // 2, axis=2)
+    shape = 2, THETA_BINS // MERGED, MERGED, PHI_BINS // MERGED, MERGED
+    return np.asarray(fine.reshape(shape).sum(axis=(2, 4)).ravel())
+
+
+def bin_solid_angle() -> Array:
+    """Solid angles (bins,) of merged bins."""
+    rows = MERGED * lobe_axes()[2].reshape(-1, MERGED).sum(axis=1)
+    return np.tile(np.repeat(rows, PHI_BINS // MERGED), 2)
+
+
+@dataclass(frozen=True)
+class ModelJob:
+    """One part of the samples of a model for all incident angles."""
+
+    scene: Scene
+    model: str
+    part: int
+    seed: int
+
+
+def sample_model(job: ModelJob) -> Array:
+    """Energy in merged bins (angles, bins), of the first channel."""
+    scene = job.scene
+    method = METHODS[job.model](scene.distribution(), scene.facets(), scene.orders)
+    lobes = []
+    for i, theta in enumerate(scene.theta):
+        rng = stream(job.seed, "model lobe", job.model, i, job.part)
+        w, weight = method.sample(scene.wi(theta), PART_SAMPLES, rng)
+        sides = [
+            np.bincount(lobe_bin(w[:, there]), weight[0, there], THETA_BINS * PHI_BINS)
+            for there in (w[2] > 0, w[2] < 0)
+        ]
+        lobes.append(merged(np.stack(sides) / PART_SAMPLES))
+    return np.array(lobes)
+
+
+def sampler(model: str) -> str:
+    """The first method that draws from a model."""
+    return next(n for n, m in METHODS.items() if m.traits.model == model and m.traits.samples)
+
+
+def distances(
+    scene: Scene, methods: tuple[str, ...], world: World, seed: int, threads: int
+) -> list[Distance]:
+    """Of the models behind the methods, and always of the Smith model."""
+    models = dict.fromkeys(["smith", *(METHODS[name].traits.model for name in methods)])
+    jobs = [ModelJob(scene, sampler(m), part, seed) for m in models for part in range(PARTS)]
+    results = list(in_order(sample_model, jobs, threads))
+    solid_angle = bin_solid_angle()
+    found = []
+    for k, model in enumerate(models):
+        lobes = np.array(results[k * PARTS : (k + 1) * PARTS])
+        for i, theta in enumerate(scene.theta):
+            square, stderr = distance(world.units[:, i], lobes[:, i], solid_angle)
+            found.append(Distance(theta, model, *root(square, stderr)))
+    return found
+
+
+def distance(truth: Array, model: Array, solid_angle: Array) -> tuple[float, float]:
+    """Squared relative distance of two means of energies in bins, from units (r, bins) of the one
+    and (s, bins) of the other, and its standard error."""
+    truth, model = truth / np.sqrt(solid_angle), model / np.sqrt(solid_angle)
+    from_truth = jackknife(np.array([_relative_square(a, model) for a in _left_out(truth)]))
+    from_model = jackknife(np.array([_relative_square(truth, b) for b in _left_out(model)]))
+    return _relative_square(truth, model), float(np.hypot(from_truth, from_model))
+
+
+def _relative_square(truth: Array, model: Array) -> float:
+    apart = truth.mean(axis=0) - model.mean(axis=0)
+    noise = noise_of_mean(truth)
+    square = apart @ apart - noise - noise_of_mean(model)
+    return float(square / (truth.mean(axis=0) @ truth.mean(axis=0) - noise))
+
+
+def noise_of_mean(units: Array) -> float:
+    """Squared noise of the mean of units (r, bins), summed over bins."""
+    return float(units.var(axis=0, ddof=1).sum() / len(units))
+
+
+def _left_out(units: Array) -> Iterator[Array]:
+    for i in range(len(units)):
+        yield np.delete(units, i, axis=0)
+
+
+def own_noise(world: World, angle: int) -> tuple[float, float]:
+    """Relative noise of the mean over all surfaces, and its standard error."""
+    _, noise, stderr = grouped_noise(world, angle)[0]
+    return noise / np.sqrt(len(world.units)), stderr / np.sqrt(len(world.units))
+
+
+def grouped_noise(world: World, angle: int) -> list[tuple[int, float, float]]:
+    """Surfaces used, the relative noise of as many, and its standard error; measured between
+    groups of surfaces, as long as these are enough."""
+    units = world.units[:, angle] / np.sqrt(bin_solid_angle())
+    mean = units.mean(axis=0)
+    scale = mean @ mean - noise_of_mean(units)
+    found = []
+    size = 1
+    while size == 1 or len(units) // size >= FEWEST_GROUPS:
+        groups = len(units) // size
+        means = units[: groups * size].reshape(groups, size, -1).mean(axis=1)
+        each = ((means - means.mean(axis=0)) ** 2).sum(axis=1) * groups / (groups - 1) / scale
+        stderr = each.std(ddof=1) / np.sqrt(groups)
+        found.append((size, *root(float(each.mean()), float(stderr))))
+        size *= 2
+    return found

@@ -1,0 +1,40 @@
+"""figure_17.png: error over time of a slab's image, a panel for each roughness."""
+
+from pathlib import Path
+
+import numpy as np
+
+from msbsdf_cli.plots.style import panels, save
+from msbsdf_cli.plots.tradeoff import look
+from msbsdf_cli.results.directory import Table
+
+BIDIRECTIONAL = "-bidirectional"
+
+
+def draw_figure_17(table: Table, path: Path) -> None:
+    """As [WJFYHY22 supp.] Figure 17; rings at two samples a pixel."""
+    rows = [dict(zip(table, cells, strict=True)) for cells in zip(*table.values(), strict=True)]
+    alphas = list(dict.fromkeys(r["alpha_x"] for r in rows))
+    figure, axes = panels(1, [2.2] * len(alphas), 2.2, (0.45, 0.4))
+    for axis, alpha in zip(axes[0], alphas, strict=True):
+        for name in dict.fromkeys(r["method"] for r in rows):
+            line = [r for r in rows if r["alpha_x"] == alpha and r["method"] == name]
+            colour, marker = look(name.removesuffix(BIDIRECTIONAL))
+            x, y, error = (
+                np.array([r[column] for r in line])
+                for column in ("seconds_per_pixel", "relative_mse", "relative_mse_stderr")
+            )
+            dashes = "--" if name.endswith(BIDIRECTIONAL) else "-"
+            axis.errorbar(
+                x * 1e6, y, np.minimum(error, 0.9 * y), fmt=marker + dashes, ms=3, color=colour,
+                elinewidth=0.7, label=name,
+            )  # fmt: skip
+            two = [r["samples"] for r in line].index(2)
+            axis.plot(x[two] * 1e6, y[two], "o", ms=8, mfc="none", mec=colour, mew=0.8)
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.set_title(f"alpha = {alpha:g}")
+        axis.set_xlabel("microseconds a pixel", labelpad=1)
+    axes[0, 0].set_ylabel("mean squared error, relative")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper left", ncols=3)
+    save(figure, path)

@@ -1,1 +1,0 @@
-"""Reports: directories, tables and pictures; knows no physics."""

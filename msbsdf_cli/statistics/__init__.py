@@ -1,0 +1,1 @@
+"""Tallies, distances between lobes, error bars and the tests that judge them."""

@@ -1,0 +1,112 @@
+"""`msbsdf validate` as a user meets it, in processes of its own."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from command_line import msbsdf, table
+
+from msbsdf_cli.smith.slopes import NAMES
+
+FEW = ["--quick", "--samples", "2e3", "--threads", "2"]
+
+# A program whose projected areas are 1 % too large, as a user would meet it. It leaves out the
+# methods, which take most of the time and whose identities are bent one by one elsewhere.
+BENT = """
+from msbsdf_cli.validation import suite
+plan = suite.plan
+suite.plan = lambda *words: (job for job in plan(*words) if not job.configuration.method)
+from msbsdf_cli.smith.slopes import Ggx
+right = Ggx.sigma
+Ggx.sigma = lambda self, d: 1.01 * right(self, d)
+"""
+
+COLUMNS = [
+    *("identity", "section", "material", "slopes", "alpha_x", "alpha_y", "theta_i_rad"),
+    *("expected", "measured", "stderr", "tolerance", "verdict"),
+]
+
+
+def validate(*words, **how):
+    return msbsdf("validate", *words, **how)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    out = tmp_path_factory.mktemp("validate") / "report"
+    return out, validate(*FEW, "--json", "--out", out)
+
+
+def rows(out):
+    return table(out / "identities.csv")
+
+
+def test_a_correct_program_holds(report):
+    out, result = report
+    assert result.returncode == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert found["verdicts"]["fails"] == found["verdicts"]["holds against expectation"] == 0
+    assert found["failed"] == []
+    assert found["family_error"] == 1e-3
+    for name in ("identities.png", "reciprocity.png"):
+        assert (out / name).stat().st_size > 10_000
+    assert json.loads((out / "run.json").read_text())["command"] == "validate"
+
+
+def test_the_table_is_what_the_contract_says(report):
+    table = rows(report[0])
+    assert list(table[0])[: len(COLUMNS)] == COLUMNS
+    assert {row["verdict"] for row in table} == {"holds", "fails as expected", "agreement"}
+    assert {row["slopes"] for row in table} == set(NAMES)
+    for row in table:
+        assert row["reason"]
+        apart = abs(float(row["measured"]) - float(row["expected"]))
+        # Chi-square statistics below their mean are no failure, however far.
+        one_sided = row["reason"].startswith("chi-square")
+        if row["verdict"] == "holds" and not one_sided:
+            assert apart <= float(row["tolerance"])
+        assert float(row["detectable"]) >= float(row["tolerance"]) * (1 - 1e-9)
+
+
+def test_a_bent_program_ends_with_status_3(tmp_path):
+    out = tmp_path / "r"
+    result = validate(*FEW, "--out", out, before=BENT)
+    assert result.returncode == 3, result.stderr
+    assert "Traceback" not in result.stderr
+    failed = {row["identity"] for row in rows(out) if row["verdict"] == "fails"}
+    assert {"projected area", "visible normals, normalisation"} <= failed
+    assert "measurements fail" in result.stdout
+    assert {row["slopes"] for row in rows(out) if row["verdict"] == "fails"} == {"ggx"}
+
+
+def test_the_same_numbers_whatever_the_threads(report, tmp_path):
+    other = tmp_path / "r"
+    assert validate(*FEW[:-1], 1, "--quiet", "--out", other).returncode == 0
+    for name in ("identities.csv", "reciprocity.csv"):
+        assert (other / name).read_bytes() == (report[0] / name).read_bytes()
+
+
+def test_bad_input_is_refused_in_a_sentence(report, tmp_path):
+    for words, said in (
+        (["--samples", "0"], "0"),
+        (["--samples", "1.5"], "whole"),
+        (["--seed", "-1"], "-1"),
+        (["--out", report[0]], "--force"),
+    ):
+        result = validate(*words, cwd=tmp_path)
+        assert result.returncode == 2
+        assert said in result.stderr
+        assert "Traceback" not in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; from click.testing import CliRunner; from msbsdf_cli.cli import group\n"
+        "assert CliRunner().invoke(group, ['validate', '--help']).exit_code == 0\n"
+        "heavy = {'numpy', 'scipy', 'matplotlib', 'trimesh', 'embreex'} & set(sys.modules)\n"
+        "sys.exit(', '.join(heavy) or 0)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr

@@ -1,0 +1,76 @@
+"""Energy, samples and first order of the methods."""
+
+from dataclasses import replace
+
+from msbsdf_cli.methods import single, walk
+from msbsdf_cli.methods.single import Single
+from msbsdf_cli.smith import kernel
+from msbsdf_cli.validation import bsdf
+from validation.fault_injection import (
+    GLASS,
+    MIRROR,
+    assert_turns,
+    bend_lambda,
+    each,
+    half_vector_below,
+    lobe_off,
+)
+
+
+def masking_product(monkeypatch):
+    right = kernel.masking_shadowing
+
+    def bent(slopes, wi, wo, transmitted, correlated=True):
+        return right(slopes, wi, wo, transmitted, False)
+
+    monkeypatch.setattr(single, "masking_shadowing", bent)
+
+
+def escape_one_percent(monkeypatch):
+    right = walk._escape
+    monkeypatch.setattr(walk, "_escape", lambda t, Lambda: right(1.03 * t, Lambda))
+
+
+def samples_twice(monkeypatch):
+    """Samples of single scattering that forget to be weighed by shadowing."""
+    right = Single.sample
+
+    def bent(self, wi, n, rng):
+        w, weight = right(self, wi, n, rng)
+        return w, (weight > 0).astype(float)
+
+    monkeypatch.setattr(Single, "sample", bent)
+
+
+PERTURBATIONS = [
+    (bend_lambda, bsdf.first_order, replace(MIRROR, method="single"), 64, "first order"),
+    (half_vector_below, bsdf.energy_and_samples, replace(MIRROR, method="walk"), 400_000, "energy"),
+    (masking_product, bsdf.first_order, replace(MIRROR, method="single"), 64, "first order"),
+    (masking_product, bsdf.first_order, replace(GLASS, method="single"), 64, "first order"),
+    (
+        escape_one_percent,
+        bsdf.first_order,
+        replace(MIRROR, method="walk", wi=(1.5, 0.3)),
+        2_000_000,
+        "first order",
+    ),
+    (
+        samples_twice,
+        bsdf.energy_and_samples,
+        replace(MIRROR, method="single"),
+        100_000,
+        "samples against values, E[1]",
+    ),
+    (
+        lobe_off,
+        bsdf.energy_and_samples,
+        replace(MIRROR, method="energy-compensated"),
+        400_000,
+        "energy",
+    ),
+]
+
+
+@each(PERTURBATIONS)
+def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
+    assert_turns(bend, identity, configuration, samples, name)

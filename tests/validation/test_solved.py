@@ -1,0 +1,50 @@
+"""The method without noise."""
+
+from dataclasses import replace
+
+from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.validation import solved
+from validation.fault_injection import assert_turns, each, flip_nothing
+
+SOLVED = solved.hard()[0]
+
+
+def unbalanced(monkeypatch):
+    """Energies that a solution forgets to normalise."""
+    right = Solve.energy
+
+    def bent(self, wi):
+        found = right(self, wi)
+        return replace(found, reflected=1.001 * found.reflected)
+
+    monkeypatch.setattr(Solve, "energy", bent)
+
+
+def one_way(monkeypatch):
+    """Values that depend on where light comes from."""
+    right = Solve.evaluate
+
+    def bent(self, wi, wo, *args):
+        found = right(self, wi, wo, *args)
+        return replace(found, value=found.value * (1 + 1e-3 * wi[2]))
+
+    monkeypatch.setattr(Solve, "evaluate", bent)
+
+
+PERTURBATIONS = [
+    (unbalanced, solved.solved, SOLVED, 1000, "energy, without noise"),
+    (one_way, solved.solved, SOLVED, 1000, "reciprocity, without noise"),
+    (one_way, solved.solved, SOLVED, 1000, "first order, without noise"),
+    (
+        flip_nothing,
+        solved.solved,
+        solved.hard()[2],
+        20_000,
+        "energies of orders, walk against solve",
+    ),
+]
+
+
+@each(PERTURBATIONS)
+def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
+    assert_turns(bend, identity, configuration, samples, name)
