@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import msbsdf_cli as ms
-from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.albedo import first_order_albedo
 
 GOLD = ms.Conductor.named("gold", rgb=True)
@@ -159,7 +158,6 @@ def test_units_of_length_do_not_matter(traced):
         (lambda: ms.Dielectric(0), "ior is 0"),
         (lambda: ms.Conductor(((1.0, np.inf),)), "index"),
         (lambda: ms.Conductor.named("tin"), "'tin' is not a metal known here: one of gold"),
-        (lambda: Scene("wood", (1, 1), (0.5,), 0).facets(), "'wood' is not a material"),
         (lambda: ms.StudentT(1, 1, 1.0), "gamma"),
         (lambda: ms.HeightField(np.zeros((16, 24)), (1, 1)), "square"),
         (lambda: ms.HeightField(np.full((8, 8), np.nan), (1, 1)), "not finite"),

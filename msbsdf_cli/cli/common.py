@@ -7,10 +7,10 @@ import click
 
 from msbsdf_cli.results.directory import refuse_existing
 from msbsdf_cli.results.run import FreePaths
-from msbsdf_cli.scene import Scene, metal_indices
+from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
-from msbsdf_cli.smith.slopes import parameters
-from surfaces.materials import MOST_INDEX
+from msbsdf_cli.smith.slopes import distribution, parameters
+from surfaces.materials import MOST_INDEX, Conductor, Dielectric, Diffuse, Material
 
 WALKS_PER_S = 5e6
 RAYS_PER_S = 1e6
@@ -21,33 +21,43 @@ LONG_S = 600
 
 
 def scene_from(options: dict[str, Any]) -> Scene:
-    """The scene that options describe. Raises click.UsageError for a metal given twice, and
-    click.BadParameter for indices that are none."""
-    if options["metal"] is not None and options["eta_k"] is not None:
+    """The scene that options describe.
+
+    Raises click.UsageError for a metal given twice, and click.BadParameter for indices that are
+    none.
+    """
+    name = options["slopes"]
+    shape = {parameter: options[parameter] for parameter in parameters(name)}
+    return Scene(
+        material_from(options),
+        distribution(name)(*options["alpha"], **shape),
+        options["theta"],
+        options["phi"][0],
+        options["orders"],
+    )
+
+
+def material_from(options: dict[str, Any]) -> Material:
+    """The facets' material; raises as `scene_from` does."""
+    metal, given = options["metal"], options["eta_k"] or ()
+    if metal is not None and given:
         raise click.UsageError("--metal and --eta-k both give the metal's index; give one of them.")
-    given = options["eta_k"] or ()
-    low = any(n <= 0 for n in given[::2]) or any(k < 0 for k in given[1::2])
-    if len(given) % 2 or low or any(x > MOST_INDEX for x in given):
+    pairs = tuple(zip(given[::2], given[1::2], strict=False))
+    try:
+        mirror = Conductor(pairs)
+    except ValueError:
+        mirror = None
+    if mirror is None or len(given) % 2:
         raise click.BadParameter(
             f"{','.join(f'{x:g}' for x in given)} is not a metal's index: N above 0, K 0 or more, "
             f"both at most {MOST_INDEX:g}.",
             param_hint="--eta-k",
         )
-    conductor = options["material"] == "conductor"
-    indices = metal_indices(options["metal"], given, options.get("rgb", False))
-    albedo = options["albedo"]
-    return Scene(
-        shape=tuple((name, options[name]) for name in parameters(options["slopes"])),
-        material=options["material"],
-        alpha=options["alpha"],
-        theta=options["theta"],
-        phi=options["phi"][0],
-        slopes=options["slopes"],
-        ior=options["ior"],
-        eta_k=indices if conductor else (),
-        albedo=albedo if isinstance(albedo, tuple) else (albedo,),
-        orders=options["orders"],
-    )
+    if options["material"] == "diffuse":
+        return Diffuse(options["albedo"])
+    if options["material"] == "dielectric":
+        return Dielectric(options["ior"])
+    return mirror if metal is None else Conductor.named(metal, options.get("rgb", False))
 
 
 def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
@@ -103,7 +113,7 @@ def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]
     holding = []
     for name in wanted or METHODS:
         try:
-            METHODS[name].refuse(scene.distribution(), scene.facets())
+            METHODS[name].refuse(scene.slopes, scene.material)
             holding.append(name)
         except UnsupportedError as refusal:
             if wanted:

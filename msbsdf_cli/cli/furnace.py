@@ -37,7 +37,7 @@ def command(**options: Any) -> None:
     alphas = options["alpha"]
     scene = common.scene_from(options | {"alpha": alphas[0]})
     options["method"] = common.methods_for(scene, options["method"])
-    out = common.out_directory("furnace", f"{scene.material}-{scene.slopes}", options)
+    out = common.out_directory("furnace", f"{scene.material.name}-{scene.slopes.name}", options)
     warnings = common.scene_warnings(options | {"alpha": sum(alphas, ())}, 0.0)
     accuracy = options["accuracy"]
     if accuracy is not None and Solve.name not in options["method"]:

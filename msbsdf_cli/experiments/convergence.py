@@ -87,7 +87,7 @@ def _energies(trial: Trial) -> list[Array]:
         if trial.parameter == "lift":
             surface.lift *= value or 0
         stretch = surface.stretch(*trial.scene.alpha, trial.scene.phi)
-        tracer = Tracer(surface, stretch, trial.scene.facets())
+        tracer = Tracer(surface, stretch, trial.scene.material)
         energies = []
         for i, theta in enumerate(trial.scene.theta):
             rng = stream(trial.seed, "convergence rays", *field, i)
@@ -116,7 +116,7 @@ def _table(scene: Scene, results: dict[tuple[str, float | None], Array]) -> Tabl
             apart_stderr = np.hypot(stderr, reference_stderr) * (energies is not last)
         for i, theta in enumerate(scene.theta):
             for j, order in enumerate(order_names(scene.orders)):
-                for k, side in enumerate(SIDES[: 1 + scene.facets().transmits]):
+                for k, side in enumerate(SIDES[: 1 + scene.material.transmits]):
                     row = (
                         parameter,
                         "all" if value is None else float(value),

@@ -144,7 +144,7 @@ def run_job(job: EvaluationJob) -> list[Part]:
 @lru_cache(maxsize=2)
 def _method(name: str, scene: Scene, bidirectional: bool) -> Method:
     """Set up once in a process for all parts and angles."""
-    arguments = scene.distribution(), scene.facets(), scene.orders
+    arguments = scene.slopes, scene.material, scene.orders
     method = METHODS[name]
     if bidirectional and issubclass(method, PositionFree):
         return method(*arguments, bidirectional=True)

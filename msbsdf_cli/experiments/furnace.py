@@ -8,7 +8,7 @@ quadrature, a bound on undersampling: rare bounces that none of them met are not
 So is the error that a method without noise states of its values, which is no noise.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -73,7 +73,7 @@ def furnace(
 ) -> list[Albedos]:
     """All methods at all roughnesses, for the incident angles of `scene`."""
     jobs = [
-        FurnaceJob(replace(scene, alpha=alpha), name, samples, seed, accuracy)
+        FurnaceJob(scene.of_roughness(alpha), name, samples, seed, accuracy)
         for name in methods
         for alpha in alphas
     ]
@@ -88,7 +88,7 @@ def furnace(
 def run_furnace(job: FurnaceJob) -> Albedos:
     """Albedos of one method at one roughness."""
     scene = job.scene
-    arguments = scene.distribution(), scene.facets(), scene.orders
+    arguments = scene.slopes, scene.material, scene.orders
     phis = azimuths(scene)
     directions = np.stack([direction(t, p) for p in phis for t in scene.theta], axis=1)
     if job.method == Solve.name and job.accuracy is not None:
@@ -191,8 +191,8 @@ def furnace_table(scene: Scene, results: list[Albedos]) -> Table:
             p, i, c, k = place
             row: tuple[float | str, ...] = (
                 result.method,
-                scene.material,
-                scene.slopes,
+                scene.material.name,
+                scene.slopes.name,
                 *result.alpha,
                 scene.theta[i],
                 orders[k],

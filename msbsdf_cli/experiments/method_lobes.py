@@ -27,7 +27,7 @@ def write_method_lobes(
 ) -> dict[str, Path]:
     """Evaluate methods in the lobes' bins; a directory for each, by name, with energy.csv and
     lobe.csv."""
-    wo, solid_angle = bins(scene.facets().transmits, places(scene))
+    wo, solid_angle = bins(scene.material.transmits, places(scene))
     samples = max(round(options["samples"] * SAMPLES_SHARE), 32)
     arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
     values = evaluate(scene, methods, wo, samples, *arithmetic, solid_angle)
@@ -37,7 +37,7 @@ def write_method_lobes(
         directories[name].mkdir()
         mine = [v for v in values if v.method == name]
         energies = [Estimate(*v.energy[:, 0]) for v in mine if v.energy is not None]
-        shape = (scene.orders + 1, 1 + scene.facets().transmits, -1)
+        shape = (scene.orders + 1, 1 + scene.material.transmits, -1)
         lobes = [[a[0, :-1].reshape(shape) for a in (v.value, v.stderr)] for v in mine]
         tables = {
             "energy.csv": energy_table(scene, energies, [{}] * len(mine)),
@@ -56,7 +56,7 @@ def places(scene: Scene) -> int:
     refraction from index 1 to n > 1 or back takes it times 1 - 1 / n, and an azimuth near the
     horizon times cos(theta). Lobes of diffuse facets are wide.
     """
-    material = scene.facets()
+    material = scene.material
     if isinstance(material, Diffuse):
         return 2
     bend = 2.0

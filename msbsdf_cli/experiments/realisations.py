@@ -181,7 +181,7 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     surface.query(np.zeros((3, 1)), np.ones((3, 1)))  # Embree builds in its first call.
     ready = time.perf_counter()
     surface.rays, surface.embree_s = 0, 0.0
-    tracer = Tracer(surface, surface.stretch(*scene.alpha, scene.phi), scene.facets())
+    tracer = Tracer(surface, surface.stretch(*scene.alpha, scene.phi), scene.material)
     units = _units(job, tracer)
     traced = time.perf_counter()
     rays, embree_s = surface.rays, surface.embree_s
@@ -210,7 +210,7 @@ def _coarser(job: SurfaceJob, units: list[Tally]) -> list[Tally]:
     scene, resolution = job.scene, job.resolution
     coarser = replace(resolution, cells=resolution.cells // COARSER)
     surface = realisation(coarser, job.number, job.seed)
-    tracer = Tracer(surface, surface.stretch(*scene.alpha, scene.phi), scene.facets())
+    tracer = Tracer(surface, surface.stretch(*scene.alpha, scene.phi), scene.material)
     return [c.less(unit) for c, unit in zip(_units(job, tracer), units, strict=True)]
 
 

@@ -32,7 +32,7 @@ def plan(
 ) -> Resolution:
     """The resolution that keeps each bias below half of `accuracy` and the standard error of the
     energy of an order near `accuracy`; what is given is taken as it is."""
-    share = max(multiple_share(scene, m) for m in {Conductor(), scene.facets()})
+    share = max(multiple_share(scene, m) for m in {Conductor(), scene.material})
     any_multiple = min(1.0, 40 * share)
     if cells is None:
         per_cell2 = 0.25 * share + 0.03 * any_multiple
@@ -41,7 +41,7 @@ def plan(
         extent = max(LEAST_EXTENT, math.ceil(math.sqrt(2 * PERIOD * any_multiple / accuracy)))
     if realisations is None:
         # Which facet lets light through is decided at grazing by few high places.
-        spread = 0.8 if scene.facets().transmits else 0.4
+        spread = 0.8 if scene.material.transmits else 0.4
         deviation = spread * math.sqrt(share) / extent
         realisations = max(LEAST_REALISATIONS, math.ceil((deviation / accuracy) ** 2))
     return Resolution(cells, extent, realisations, waves)
@@ -55,6 +55,6 @@ def multiple_share(scene: Scene, material: Material) -> float:
         # Of the seed 0 always: a seed does not change the resolution.
         rng = stream(0, "pilot walks", material.name, i)
         wi = scene.wi(theta)
-        walks = random_walk(scene.distribution(), material, wi, PILOT_WALKS, rng, 1)
+        walks = random_walk(scene.slopes, material, wi, PILOT_WALKS, rng, 1)
         shares.append(sum(light.w.shape[1] for light in walks if not light.resolved) / PILOT_WALKS)
     return max(shares)

@@ -31,7 +31,7 @@ def slice_directions(scene: Scene, phi_o: tuple[float, ...] | None, points: int)
     azimuth = scene.phi + math.pi if phi_o is None else phi_o[0]
     angle = ((np.arange(points) + 0.5) / points - 0.5) * np.pi
     theta = np.abs(angle)
-    if scene.facets().transmits:
+    if scene.material.transmits:
         theta = np.concatenate([theta, np.pi - theta])
         angle = np.concatenate([angle, angle])
     phi = np.where(angle < 0, azimuth - np.pi, azimuth) % (2 * np.pi)

@@ -37,7 +37,7 @@ def walk(
     """
     started = time.monotonic()
     tallies = [Tally(scene.orders) for _ in scene.theta]
-    model, dtype = Smith(scene.distribution(), scene.facets()), np.dtype(precision).type
+    model, dtype = Smith(scene.slopes, scene.material), np.dtype(precision).type
     parts = (
         job
         for i, theta in enumerate(scene.theta)
@@ -49,7 +49,7 @@ def walk(
             progress.advance(tally.rays)
     wall_s = time.monotonic() - started
     rng = stream(seed, "walk free paths")
-    walk_free_paths(scene.distribution(), scene.phi, HEIGHTS[heights], free_paths, samples, rng)
+    walk_free_paths(scene.slopes, scene.phi, HEIGHTS[heights], free_paths, samples, rng)
     return Outcome(tallies, free_paths, wall_s)
 
 

@@ -80,7 +80,7 @@ def summary(scene: Scene, outcome: Outcome) -> list[dict[str, Any]]:
     for theta, tally in zip(scene.theta, outcome.tallies, strict=True):
         side = tally.estimate("side")
         entry: dict[str, Any] = {"theta_i_rad": theta, "phi_i_rad": scene.phi}
-        for i, name in enumerate(SIDES[: 1 + scene.facets().transmits]):
+        for i, name in enumerate(SIDES[: 1 + scene.material.transmits]):
             entry[name] = float(side.value[i])
             entry[f"{name}_stderr"] = float(side.stderr[i])
         for name in ("absorbed", "unresolved"):
@@ -125,7 +125,7 @@ def write_report(draft: Path, record: dict[str, Any], tables: dict[str, Table]) 
 
 def show_run(scene: Scene, outcome: Outcome) -> None:
     """Print energies per order and side, with standard errors in the last digits."""
-    sides = SIDES[: 1 + scene.facets().transmits]
+    sides = SIDES[: 1 + scene.material.transmits]
     prefixes = [""] if len(sides) == 1 else ["R ", "T "]
     names = [f"{p}{o}" for p in prefixes for o in order_names(scene.orders)]
     rows = []

@@ -33,7 +33,7 @@ def _append(table: dict[str, list[float | str]], *row: float | str) -> None:
 
 
 def _sides(scene: Scene) -> tuple[str, ...]:
-    return SIDES if scene.facets().transmits else SIDES[:1]
+    return SIDES if scene.material.transmits else SIDES[:1]
 
 
 def _short(values: Array) -> list[float]:
@@ -178,6 +178,6 @@ def all_tables(scene: Scene, outcome: Outcome) -> dict[str, Table]:
         "lobe.csv": lobe(scene, outcome),
         "free_path.csv": free_path(scene, outcome.free_paths),
     }
-    if scene.facets().transmits:
+    if scene.material.transmits:
         tables["sequence.csv"] = sequence(scene, outcome)
     return tables

@@ -72,7 +72,7 @@ def test_what_no_walk_has_found_counts_once_for_all_parts(tmp_path):
     assert np.median(few / many) == pytest.approx(100, rel=0.5)
     # As for one method that does all the walks; the brightest of 256 paths is brighter than that
     # of 16, but not by the 16 that counting it in every part would give.
-    wo = slice_directions(Scene("conductor", (0.1, 0.1), (0,), 0), None, 8).wo
+    wo = slice_directions(Scene(Conductor(), Beckmann(0.1, 0.1), (0,), 0), None, 8).wo
     walk = Walk(Beckmann(0.1, 0.1), Conductor(), 4)
     alone = walk.unseen(np.array([0.0, 0, 1]), wo, 1600, np.random.default_rng(1))[0]
     assert 0.5 < np.median(few / alone) < 4

@@ -8,17 +8,19 @@ from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.plots.furnace import _sphere
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.albedo import first_order_albedo
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
+from surfaces.materials import Conductor
 
 THETA = (0.0, 1.0, 1.5, 1.57)
 SAMPLES = 1024
 
 
 @pytest.mark.parametrize("alpha", [0.3, 0.5, 1.0])
-@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
+@pytest.mark.parametrize("slopes", [Beckmann, Ggx])
 @pytest.mark.parametrize("method", ["walk", "walk-low-variance", "exact"])
 def test_errors_cover_what_no_walk_met(method, slopes, alpha):
-    scene = Scene("conductor", (alpha, alpha), THETA, 0, slopes=slopes)
-    solve = Solve(scene.distribution(), scene.facets(), scene.orders)
+    scene = Scene(Conductor(), slopes(alpha, alpha), THETA, 0)
+    solve = Solve(scene.slopes, scene.material, scene.orders)
     known = np.array([solve.albedo(scene.wi(theta))[0][0] for theta in THETA])
     truth = np.concatenate([known, known.sum(axis=1, keepdims=True)], axis=1)
     result = run_furnace(FurnaceJob(scene, method, SAMPLES, 0, None))
@@ -30,7 +32,7 @@ def test_errors_cover_what_no_walk_met(method, slopes, alpha):
 
 
 def test_a_method_without_walks_misses_none():
-    scene = Scene("conductor", (0.5, 0.5), (1.0,), 0)
+    scene = Scene(Conductor(), Beckmann(0.5, 0.5), (1.0,), 0)
     result = run_furnace(FurnaceJob(scene, "single", SAMPLES, 0, None))
     assert (result.stderr[0, 0, 0, 1:-1] == 0).all()
     assert 0 < result.stderr[0, 0, 0, 0] < 1 / SAMPLES
@@ -39,7 +41,7 @@ def test_a_method_without_walks_misses_none():
 def test_two_roughnesses_are_seen_from_azimuths_over_the_quarter_turn():
     """Along the rough axis single scattering from 0.8 loses a seventh of the light, across it more
     than a quarter; each azimuth is what it is alone."""
-    scene = Scene("conductor", (1.0, 0.1), (0.8,), 0.3)
+    scene = Scene(Conductor(), Beckmann(1.0, 0.1), (0.8,), 0.3)
     result = run_furnace(FurnaceJob(scene, "single", SAMPLES, 0, None))
     assert result.phi[0] == 0.3
     assert {0.0, np.pi / 2} < set(result.phi)
@@ -47,7 +49,7 @@ def test_two_roughnesses_are_seen_from_azimuths_over_the_quarter_turn():
     assert albedo[0.0] == pytest.approx(0.858, abs=3e-3)
     assert albedo[np.pi / 2] == pytest.approx(0.721, abs=3e-3)
     w = np.array([np.sin(0.8) * np.cos(0.3), np.sin(0.8) * np.sin(0.3), np.cos(0.8)])[:, None]
-    alone = float(first_order_albedo(scene.distribution(), scene.facets(), w)[0])
+    alone = float(first_order_albedo(scene.slopes, scene.material, w)[0])
     assert albedo[0.3] == pytest.approx(alone, abs=5 * float(result.stderr[0, 0, 0, -1]))
 
 

@@ -8,22 +8,23 @@ from msbsdf_cli.experiments.method_lobes import bins, places
 from msbsdf_cli.methods.single import Single
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.slopes import Beckmann
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.tally import Tally, lobe_axes
-from surfaces.materials import Conductor
+from surfaces.materials import Conductor, Dielectric, Diffuse
 
-GLASS = Scene("dielectric", (1, 0.1), (0.5,), 0.0, orders=1)
+GLASS = Scene(Dielectric(), Beckmann(1, 0.1), (0.5,), 0.0, orders=1)
 
 
 @pytest.mark.parametrize(
     ("scene", "expected"),
     [
-        (Scene("conductor", (0.5, 0.5), (0,), 0), 2),
-        (Scene("conductor", (0.5, 0.5), (0, 1.5), 0), 8),
-        (Scene("conductor", (0.001, 0.001), (0,), 0), 16),
-        (Scene("dielectric", (0.25, 0.5), (0,), 0), 4),
+        (Scene(Conductor(), Beckmann(0.5, 0.5), (0,), 0), 2),
+        (Scene(Conductor(), Beckmann(0.5, 0.5), (0, 1.5), 0), 8),
+        (Scene(Conductor(), Beckmann(0.001, 0.001), (0,), 0), 16),
+        (Scene(Dielectric(), Beckmann(0.25, 0.5), (0,), 0), 4),
         (GLASS, 16),
-        (Scene("diffuse", (0.1, 0.1), (1.5,), 0), 2),
+        (Scene(Diffuse(), Beckmann(0.1, 0.1), (1.5,), 0), 2),
     ],
 )
 def test_narrow_lobes_are_seen_in_more_places(scene, expected):
@@ -32,18 +33,18 @@ def test_narrow_lobes_are_seen_in_more_places(scene, expected):
 
 @pytest.mark.parametrize("alpha", [0.1, 0.25])
 def test_energy_of_grazing_light_is_that_of_solve(alpha):
-    scene = Scene("conductor", (alpha, alpha), (1.5,), 0.0, orders=1)
+    scene = Scene(Conductor(), Beckmann(alpha, alpha), (1.5,), 0.0, orders=1)
     wo, solid_angle = bins(False, places(scene))
     arithmetic = 0, 1, "float64", True
     (found,) = evaluate(scene, ("single",), wo, 1, *arithmetic, solid_angle)
-    exact = Solve(scene.distribution(), Conductor(), 1).energy(scene.wi(1.5)).reflected[0, 0]
+    exact = Solve(scene.slopes, Conductor(), 1).energy(scene.wi(1.5)).reflected[0, 0]
     # At bin centres alone it would be off by 4 % and more; at 0.1, 16 places are too few by half.
     assert found.energy[0, 0, 0, 0] == pytest.approx(exact, rel=0.01 if alpha < 0.2 else 0.001)
     assert found.energy[1, 0, 0, 0] > 0
 
 
 def test_error_of_an_energy_is_noise_and_not_where_the_parts_look():
-    scene = Scene("conductor", (0.1, 0.1), (0.5,), 0.0, orders=1)
+    scene = Scene(Conductor(), Beckmann(0.1, 0.1), (0.5,), 0.0, orders=1)
     wo, solid_angle = bins(False, 4)
     runs = [
         evaluate(scene, ("walk",), wo, 3200, seed, 1, "float64", True, solid_angle)[0].energy
@@ -74,14 +75,12 @@ def test_a_narrow_lobe_is_that_of_counted_light():
     wi, n = GLASS.wi(0.5), 400_000
     tally = Tally(orders=1)
     rng = np.random.default_rng(1)
-    for light in random_walk(GLASS.distribution(), GLASS.facets(), wi, n, rng, 1000):
+    for light in random_walk(GLASS.slopes, GLASS.material, wi, n, rng, 1000):
         tally.add(light)
     counted = tally.estimate("lobe")
     wo, solid_angle = bins(True, places(GLASS))
     (found,) = evaluate(GLASS, ("single",), wo, 1, 0, 1, "float64", True, solid_angle)
-    centre = Single(GLASS.distribution(), GLASS.facets(), 1).evaluate(
-        wi, bins(True, 1)[0][0], 1, rng
-    )
+    centre = Single(GLASS.slopes, GLASS.material, 1).evaluate(wi, bins(True, 1)[0][0], 1, rng)
     shape = counted.value[0].shape
     modelled, at_centres = (
         (v * solid_angle).reshape(shape) for v in (found.value[0, 0], centre.value[0, 0])

@@ -6,13 +6,15 @@ from msbsdf_cli.experiments.realisations import Resolution, simulate
 from msbsdf_cli.results.run import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
+from msbsdf_cli.smith.slopes import Beckmann
+from surfaces.materials import Conductor
 
 EDGES = HEIGHTS["gaussian"].edges
 
 
 def run(resolution, rays, seed, alpha=1.0, theta=0.0):
     """Tally of one incident angle and free paths from below the middle."""
-    scene = Scene("conductor", (alpha, alpha), (theta,), 0.3)
+    scene = Scene(Conductor(), Beckmann(alpha, alpha), (theta,), 0.3)
     paths = FreePaths((1.0,), (-1.0,), EDGES)
     outcome = simulate(scene, rays, resolution, paths, seed, 1, 1000, True)
     return outcome.tallies[0], outcome.free_paths.estimate()

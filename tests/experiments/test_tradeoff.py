@@ -29,10 +29,12 @@ from msbsdf_cli.experiments.tradeoff.world import (
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.slopes import Beckmann
 from msbsdf_cli.statistics.errors import accuracy, inner_products, taken_apart
 from msbsdf_cli.statistics.tally import PHI_BINS, THETA_BINS
+from surfaces.materials import Conductor, Dielectric
 
-SCENE = Scene("conductor", (0.5, 0.5), (0.5,), 0.0)
+SCENE = Scene(Conductor(), Beckmann(0.5, 0.5), (0.5,), 0.0)
 REPLICATES, DIRECTIONS = 16, 50
 
 
@@ -125,12 +127,12 @@ def test_ranks_and_how_often_they_change(rng):
     assert ranks(np.array([[1.0, 3, 2]])).tolist() == [[3, 1, 2]]
 
 
-@pytest.mark.parametrize("material", ["conductor", "dielectric"])
+@pytest.mark.parametrize("material", [Conductor, Dielectric])
 @pytest.mark.parametrize(("theta", "alpha"), [(0.0, 0.1), (1.5, 0.1), (0.7, 1.0)])
 def test_directions_are_a_quadrature_of_the_lobe(material, theta, alpha):
     """Energy of the first order, by 1024 directions and by 32768."""
-    scene = Scene(material, (alpha, alpha), (theta,), 0.3)
-    single = METHODS["single"](scene.distribution(), scene.facets(), 1)
+    scene = Scene(material(), Beckmann(alpha, alpha), (theta,), 0.3)
+    single = METHODS["single"](scene.slopes, scene.material, 1)
     energies = []
     for n in (1024, 32768):
         lobe = lobe_directions(scene, theta, n, 0)
@@ -156,7 +158,7 @@ def test_quasirandom_points_serve_whole_sets_of_paths_only():
 @pytest.mark.parametrize("method", ["walk", "walk-low-variance", "exact"])
 def test_quasirandom_estimates_are_unbiased(method):
     lobe = lobe_directions(SCENE, 0.5, 24, 0)
-    settings = SCENE.distribution(), SCENE.facets(), SCENE.orders
+    settings = SCENE.slopes, SCENE.material, SCENE.orders
     truth = Solve(*settings, resolution=0.3).evaluate(lobe.wi, lobe.wo).value
     chosen = METHODS[method](*settings)
     values = [
@@ -190,7 +192,7 @@ def test_walks_agree_with_the_reference_and_single_scattering_does_not():
 
 
 def test_a_reference_by_chance_knows_its_noise():
-    scene = Scene("dielectric", (0.5, 0.3), (0.5,), 0.0)
+    scene = Scene(Dielectric(), Beckmann(0.5, 0.3), (0.5,), 0.0)
     lobe = lobe_directions(scene, 0.5, 24, 0)
     values = [_by_chance(scene, [lobe], MORE_WALKS * 16, seed) for seed in range(8)]
     assert values[0].method == "walk-low-variance"
@@ -293,7 +295,7 @@ def test_figure_17_says_what_a_walk_is_worth(monkeypatch):
         if (name, n) == ("exact", 16)
     ]  # fmt: skip
     lobe = slab(SCENE)
-    exact = METHODS["exact"](SCENE.distribution(), SCENE.facets(), SCENE.orders)
+    exact = METHODS["exact"](SCENE.slopes, SCENE.material, SCENE.orders)
     values = np.stack(
         [timed(exact, 16, lobe, np.random.SeedSequence([7, r]))[0].sum(axis=1) for r in range(200)]
     )

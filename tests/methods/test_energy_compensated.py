@@ -16,10 +16,10 @@ THETA = (0.0, 1.0, 1.5, 1.55, 1.57, LAST)
 
 
 @pytest.mark.parametrize("alpha", [(0.1, 0.1), (0.3, 0.3), (0.5, 0.5), (1, 1), (1, 0.1)])
-@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
-@pytest.mark.parametrize("material", ["dielectric", "conductor"])
+@pytest.mark.parametrize("slopes", [Beckmann, Ggx])
+@pytest.mark.parametrize("material", [Dielectric, Conductor])
 def test_the_furnace_sees_all_energy(material, slopes, alpha):
-    scene = Scene(material, alpha, THETA, 0.3, slopes=slopes)
+    scene = Scene(material(), slopes(*alpha), THETA, 0.3)
     result = run_furnace(FurnaceJob(scene, "energy-compensated", 4096, 0, None))
     albedo, stderr = result.value[0, :, 0, -1], result.stderr[0, :, 0, -1]
     assert (stderr < 0.02).all()

@@ -6,7 +6,7 @@ with walks of its own. Text there: two samples a pixel come very close to the tr
 position-free estimator is consistently better.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
@@ -53,7 +53,7 @@ ESTIMATORS = (
 
 def make(name: str, scene: Scene) -> Method:
     """An estimator by name; the paper's own is the bidirectional one."""
-    arguments = scene.distribution(), scene.facets(), scene.orders
+    arguments = scene.slopes, scene.material, scene.orders
     if name == "position-free-correlated-bidirectional":
         return PositionFreeCorrelated(*arguments, bidirectional=True)
     return METHODS[name](*arguments)
@@ -122,7 +122,7 @@ def figure_17(scene: Scene, seed: int) -> Table:
         found = {
             name: noise(make(name, there), slab(there), seed, name, repr(there.alpha))
             for name in ESTIMATORS
-            if name != "exact" or not there.facets().transmits
+            if name != "exact" or not there.material.transmits
         }
         walk = found["walk"]
         for name, one in found.items():
@@ -139,7 +139,7 @@ def figure_17(scene: Scene, seed: int) -> Table:
 
 def _of_roughness(scene: Scene, alpha: float) -> Scene:
     scale = alpha / max(scene.alpha)
-    return replace(scene, alpha=(scale * scene.alpha[0], scale * scene.alpha[1]))
+    return scene.of_roughness((scale * scene.alpha[0], scale * scene.alpha[1]))
 
 
 def two_samples(table: Table) -> list[str]:

@@ -32,7 +32,7 @@ def lobe_directions(scene: Scene, theta: float, n: int, seed: int) -> Lobe:
 
     Both parts are Sobol points; what the facet sends where no light leaves is left out.
     """
-    slopes, material, wi = scene.distribution(), scene.facets(), scene.wi(theta)
+    slopes, material, wi = scene.slopes, scene.material, scene.wi(theta)
     even = max(2, round(EVERYWHERE * n))
     rng = QuasiRandom(seed_sequence(seed, "lobe directions"))
     rng.begin()

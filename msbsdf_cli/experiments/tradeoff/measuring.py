@@ -55,7 +55,7 @@ class Setting:
 
     def make(self, scene: Scene) -> Method:
         """The method, set up but for what it puts off until its first evaluation."""
-        arguments = scene.distribution(), scene.facets(), scene.orders
+        arguments = scene.slopes, scene.material, scene.orders
         method: Method
         if self.method == "solve":
             method = Solve(*arguments, self.resolution)

@@ -66,10 +66,10 @@ def reference(
 
 
 def _solved(scene: Scene, lobes: list[Lobe]) -> Reference:
-    Solve.refuse(scene.distribution(), scene.facets())
+    Solve.refuse(scene.slopes, scene.material)
     started = time.perf_counter()
     for resolution in RESOLUTIONS:
-        solve = Solve(scene.distribution(), scene.facets(), scene.orders, resolution)
+        solve = Solve(scene.slopes, scene.material, scene.orders, resolution)
         found = [solve.evaluate(lobe.wi, lobe.wo) for lobe in lobes]
         # Errors of orders need not have one sign: their sum is an upper bound.
         noise = [
@@ -105,7 +105,7 @@ def _by_chance(
     scene: Scene, lobes: list[Lobe], samples: int, seed: int, purpose: str = "chart"
 ) -> Reference:
     started = time.perf_counter()
-    method = METHODS["walk-low-variance"](scene.distribution(), scene.facets(), scene.orders)
+    method = METHODS["walk-low-variance"](scene.slopes, scene.material, scene.orders)
     values, noise = [], []
     for i, lobe in enumerate(lobes):
         rng = stream(seed, "reference walks", purpose, i)

@@ -39,7 +39,8 @@ def roughness_rows(
     rows = []
     for alpha in ALPHAS:
         scale = alpha / max(scene.alpha)
-        there = replace(scene, alpha=(scale * scene.alpha[0], scale * scene.alpha[1]), theta=thetas)
+        alphas = scale * scene.alpha[0], scale * scene.alpha[1]
+        there = replace(scene.of_roughness(alphas), theta=thetas)
         lobes = [lobe_directions(there, theta, directions, protocol.seed) for theta in thetas]
         purpose = f"{protocol.purpose} {alpha}"
         truth = reference(there, lobes, SAMPLES, protocol.seed, purpose)

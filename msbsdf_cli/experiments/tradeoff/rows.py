@@ -143,7 +143,8 @@ def simulate_rows(scene: Scene, world: World) -> list[Row]:
 
 def _place(scene: Scene, theta: float) -> dict[str, Any]:
     names = ("material", "slopes", "alpha_x", "alpha_y", "theta_i_rad")
-    return dict(zip(names, (scene.material, scene.slopes, *scene.alpha, theta), strict=True))
+    values = scene.material.name, scene.slopes.name, *scene.alpha, theta
+    return dict(zip(names, values, strict=True))
 
 
 def _with_stderr(**measured: tuple[float, float]) -> dict[str, Any]:

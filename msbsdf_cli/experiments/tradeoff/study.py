@@ -114,7 +114,7 @@ def run(scene: Scene, options: dict[str, Any]) -> Result:
         series = measure(scene, settings, lobes, protocol, progress.advance)
     rows = tabulating.method_rows(scene, series, truth)
     world, found = None, []
-    if options["surfaces"] and scene.slopes == "beckmann":
+    if options["surfaces"] and scene.slopes.name == "beckmann":
         world = surfaces_for(scene, options)
         found = distances(scene, options["method"], world, seed, threads)
         rows += tabulating.simulate_rows(scene, world)
@@ -193,7 +193,7 @@ def warnings_of(result: Result, options: dict[str, Any]) -> list[str]:
             f"the reference, {result.truth.method}, is only {result.margin:.2g} times better than "
             "the best setting it judges: the smallest errors are upper bounds."
         )
-    if options["surfaces"] and result.scene.slopes != "beckmann":
+    if options["surfaces"] and result.scene.slopes.name != "beckmann":
         warnings.append(
             "there are no explicit surfaces of GGX slopes: the distance of the model from the "
             "world is not drawn."

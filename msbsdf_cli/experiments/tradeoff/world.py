@@ -103,7 +103,7 @@ class ModelJob:
 def sample_model(job: ModelJob) -> Array:
     """Energy in merged bins (angles, bins), of the first channel."""
     scene = job.scene
-    method = METHODS[job.model](scene.distribution(), scene.facets(), scene.orders)
+    method = METHODS[job.model](scene.slopes, scene.material, scene.orders)
     lobes = []
     for i, theta in enumerate(scene.theta):
         rng = stream(job.seed, "model lobe", job.model, i, job.part)

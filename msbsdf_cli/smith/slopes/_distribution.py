@@ -30,6 +30,11 @@ class Slopes(ABC):
             if not 0 < alpha < math.inf:
                 raise ValueError(f"{name} is {alpha}: a roughness is a finite number above 0.")
 
+    @property
+    def name(self) -> str:
+        """As on the command line: that of the file."""
+        return type(self).__module__.rpartition(".")[2].replace("_", "-")
+
     @abstractmethod
     def D(self, m: Array) -> Array:
         """Distribution of normals over unit vectors (3, ...), per steradian; of a vector of any
