@@ -5,7 +5,7 @@ meets, on the side of the arriving light and of any length, into the direction i
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -190,6 +190,14 @@ class Dielectric:
         scale = np.where(transmitted, inverse, dtype(1))
         along_m = np.where(transmitted, cos_i * inverse - cos_t, 2 * cos_i)
         return Scattered(scale * d + along_m * m, transmitted=transmitted)
+
+
+def material(name: str) -> type[Any]:
+    """The class of a material by name. Raises ValueError for a name that is none."""
+    for cls in (Conductor, Diffuse, Dielectric):
+        if cls.name == name:
+            return cls
+    raise ValueError(f"{name!r} is not a material: one of conductor, diffuse, dielectric.")
 
 
 METALS: dict[str, tuple[tuple[float, float], ...]] = {

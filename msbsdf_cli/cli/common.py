@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from msbsdf_cli.results.directory import refuse_existing
-from msbsdf_cli.results.run import FreePaths
+from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import distribution, parameters

@@ -10,7 +10,7 @@ import numpy as np
 from msbsdf_cli.methods.position_free import PositionFree
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.run.executors import Progress, Workers, in_order
 from msbsdf_cli.scene import Scene
 from surfaces.facet import Array
 from surfaces.streams import stream
@@ -63,7 +63,7 @@ def evaluate(
     wo: Array,
     samples: int,
     seed: int,
-    threads: int,
+    workers: Workers,
     precision: str,
     quiet: bool,
     solid_angle: Array | None = None,
@@ -91,7 +91,7 @@ def evaluate(
                 jobs.append(job)
     parts: dict[tuple[int, str], list[Part]] = {}
     with Progress("evaluate", len(jobs), "parts", quiet) as progress:
-        for job, results in zip(jobs, in_order(run_job, jobs, threads), strict=True):
+        for job, results in zip(jobs, in_order(run_job, jobs, workers), strict=True):
             for i, part in zip(job.angles, results, strict=True):
                 parts.setdefault((i, job.method), []).append(part)
             progress.advance(1)

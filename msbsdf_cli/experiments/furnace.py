@@ -19,8 +19,8 @@ from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.single import Single, first_order, phase_density
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.results.directory import Table
-from msbsdf_cli.results.tables import order_names
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.results.lobes import order_names
+from msbsdf_cli.run.executors import Progress, Workers, in_order
 from msbsdf_cli.scene import Scene, direction
 from surfaces.facet import Array, unit_circle
 from surfaces.streams import stream
@@ -68,7 +68,7 @@ def furnace(
     samples: int,
     seed: int,
     accuracy: float | None,
-    threads: int,
+    workers: Workers,
     quiet: bool,
 ) -> list[Albedos]:
     """All methods at all roughnesses, for the incident angles of `scene`."""
@@ -79,7 +79,7 @@ def furnace(
     ]
     results = []
     with Progress("furnace", len(jobs), "surfaces", quiet) as progress:
-        for result in in_order(run_furnace, jobs, threads):
+        for result in in_order(run_furnace, jobs, workers):
             results.append(result)
             progress.advance(1)
     return results
