@@ -10,7 +10,8 @@ from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import distribution, parameters
-from surfaces.materials import MOST_INDEX, Conductor, Dielectric, Diffuse, Material
+from surfaces.materials import NAMES as MATERIALS
+from surfaces.materials import Material, material
 
 WALKS_PER_S = 5e6
 RAYS_PER_S = 1e6
@@ -21,11 +22,7 @@ LONG_S = 600
 
 
 def scene_from(options: dict[str, Any]) -> Scene:
-    """The scene that options describe.
-
-    Raises click.UsageError for a metal given twice, and click.BadParameter for indices that are
-    none.
-    """
+    """The scene that options describe. Raises click.UsageError for what is none."""
     name = options["slopes"]
     shape = {parameter: options[parameter] for parameter in parameters(name)}
     return Scene(
@@ -38,26 +35,14 @@ def scene_from(options: dict[str, Any]) -> Scene:
 
 
 def material_from(options: dict[str, Any]) -> Material:
-    """The facets' material; raises as `scene_from` does."""
-    metal, given = options["metal"], options["eta_k"] or ()
-    if metal is not None and given:
-        raise click.UsageError("--metal and --eta-k both give the metal's index; give one of them.")
-    pairs = tuple(zip(given[::2], given[1::2], strict=False))
+    """The facets' material; raises click.UsageError for options that describe none."""
+    kind = material(options["material"])
     try:
-        mirror = Conductor(pairs)
-    except ValueError:
-        mirror = None
-    if mirror is None or len(given) % 2:
-        raise click.BadParameter(
-            f"{','.join(f'{x:g}' for x in given)} is not a metal's index: N above 0, K 0 or more, "
-            f"both at most {MOST_INDEX:g}.",
-            param_hint="--eta-k",
-        )
-    if options["material"] == "diffuse":
-        return Diffuse(options["albedo"])
-    if options["material"] == "dielectric":
-        return Dielectric(options["ior"])
-    return mirror if metal is None else Conductor.named(metal, options.get("rgb", False))
+        found: Material = kind.of(**{name: options.get(name) for name in kind.options})
+    except ValueError as error:
+        names = ", ".join(f"--{name.replace('_', '-')}" for name in kind.options)
+        raise click.UsageError(f"{names}: {error}") from None
+    return found
 
 
 def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
@@ -81,14 +66,13 @@ def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
     about how many seconds one core will need."""
     warnings = []
     given = click.get_current_context().get_parameter_source
-    belongs = {"metal": "conductor", "eta_k": "conductor", "albedo": "diffuse", "ior": "dielectric"}
-    for name, material in belongs.items():
-        explicit = given(name) is click.core.ParameterSource.COMMANDLINE
-        if explicit and options["material"] != material:
-            warnings.append(
-                f"--{name.replace('_', '-')} has no effect: it is for --material {material}, "
-                f"and this is {options['material']}."
-            )
+    for other in (other for other in MATERIALS if other != options["material"]):
+        for name in material(other).options:
+            if given(name) is click.core.ParameterSource.COMMANDLINE:
+                warnings.append(
+                    f"--{name.replace('_', '-')} has no effect: it is for --material {other}, "
+                    f"and this is {options['material']}."
+                )
     roughest = max(options["alpha"])
     if roughest > 5:
         warnings.append(

@@ -11,7 +11,6 @@ from msbsdf_cli.run.executors import Workers
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.tally import PHI_BINS, Estimate, lobe_axes
 from surfaces.facet import Array
-from surfaces.materials import Dielectric, Diffuse
 
 MOST_PLACES = 16
 """At most so many places in a bin: as many as there are parts of the samples to take them."""
@@ -70,11 +69,9 @@ def places(scene: Scene) -> int:
     horizon times cos(theta). Lobes of diffuse facets are wide.
     """
     material = scene.material
-    if isinstance(material, Diffuse):
+    if not material.specular:
         return 2
-    bend = 2.0
-    if isinstance(material, Dielectric):
-        bend = 1 - min(material.ior, 1 / material.ior)
+    bend = 1 - min(material.ior, 1 / material.ior) if material.transmits else 2.0
     width = bend * min(scene.alpha) * math.cos(max(scene.theta)) / math.sqrt(2)
     wanted = 2 * (2 * math.pi / PHI_BINS) / width
     return min(2 ** max(math.ceil(math.log2(wanted)), 1), MOST_PLACES)

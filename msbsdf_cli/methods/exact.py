@@ -181,7 +181,7 @@ class Exact(SampledByWalk):
 
 def mirrors(material: Material) -> bool:
     """Whether light that heads up never heads down again: a mirror always raises d_z."""
-    return material.name == "conductor"
+    return material.specular and not material.transmits
 
 
 def _open_tail(groups: list[Descents], out: Exits, estimate: Estimate) -> None:

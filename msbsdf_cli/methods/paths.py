@@ -1,6 +1,6 @@
 """Paths under way between facets: how they scatter, and what they send towards given directions.
 
-Directions are in the frame of the side they travel in, see `msbsdf_cli.smith.kernel`.
+Directions are in the frame of the side they travel in, see `surfaces.materials`.
 """
 
 from collections.abc import Callable
@@ -9,14 +9,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, squared_index
+from msbsdf_cli.methods.directions import Exits
 from msbsdf_cli.methods.estimate import Estimate
-from msbsdf_cli.smith.kernel import reflection_density, refraction_density
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
 from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array, dot
-from surfaces.materials import Diffuse, Material
+from surfaces.materials import Material
 
 
 @dataclass(kw_only=True)
@@ -36,7 +35,7 @@ class Paths(Batch):
     start: Array | None = None
     """Number of the direction that the path starts from, where they differ, (n,)."""
     m: Array | None = None
-    """Normal of the facet that was met, (3, n), of any length; of length 1 if it is diffuse."""
+    """Normal of the facet that was met, (3, n), of length 1 unless facets are specular."""
 
     @property
     def n(self) -> int:
@@ -89,7 +88,7 @@ def follow(
 def meet(slopes: Slopes, material: Material, paths: Paths, rng: np.random.Generator) -> Array:
     """Normals of the facets that the paths meet, visible to them."""
     m = slopes.visible_normals(-paths.d, paths.n, rng)
-    return m / np.sqrt(dot(m, m)) if isinstance(material, Diffuse) else m
+    return m if material.specular else m / np.sqrt(dot(m, m))
 
 
 def scatter(
@@ -115,16 +114,15 @@ def next_event(
 
     For diffuse facets it is that of the one normal that was met, an unbiased stand-in.
     """
-    if isinstance(material, Diffuse):
+    if not material.specular:
         assert paths.m is not None
-        phase = np.maximum(paths.m.T @ out.w, 0) / np.pi
-        return np.where(out.inside, 0, phase), np.array(material.albedos, phase.dtype)[
-            :, None, None
-        ]
+        phase = material.lobe(paths.m.T @ out.w)
+        albedos = np.array(material.albedos, phase.dtype)
+        return np.where(out.inside, 0, phase), albedos[:, None, None]
     d, w = paths.d[:, :, None], out.w[:, None, :]
     sigma = paths.sigma[:, None]
     if paths.inside is None:
-        density, colour = reflection_density(slopes, material, d, w)
+        density, colour = material.reflection(slopes, d, w)
         return np.where(out.inside, 0, density / sigma), colour
     phase = np.empty((paths.n, out.n), d.dtype)
     for here in (False, True):
@@ -135,9 +133,9 @@ def next_event(
                 ends_of_lanes = np.ix_(lanes, ends)
                 pair = d[:, lanes], w[:, :, ends]
                 if here == there:
-                    density, _ = reflection_density(slopes, material, *pair, here)
+                    density, _ = material.reflection(slopes, *pair, here)
                 else:
-                    density = refraction_density(slopes, material, *pair, here)
+                    density = material.refraction(slopes, *pair, here)
                 phase[ends_of_lanes] = density / sigma[lanes]
     return phase, None
 
@@ -164,17 +162,17 @@ def pair_density(
     Light carries energy, whose density per steradian grows with the square of the index.
     """
     if paths.inside is None or inside is None:
-        return reflection_density(slopes, material, paths.d, w)
+        return material.reflection(slopes, paths.d, w)
     density = np.empty(paths.n, w.dtype)
     for here in (False, True):
         for there in (False, True):
             lanes = np.flatnonzero((paths.inside == here) & (inside == there))
             pair = paths.d[:, lanes], w[:, lanes]
             if here == there:
-                part = reflection_density(slopes, material, *pair, here)[0]
+                part = material.reflection(slopes, *pair, here)[0]
             else:
-                part = refraction_density(slopes, material, *pair, here)
-            density[lanes] = part / squared_index(material, there)
+                part = material.refraction(slopes, *pair, here)
+            density[lanes] = part / material.squared_index(there)
     return density, None
 
 
@@ -182,10 +180,10 @@ def reversed_phase(slopes: Slopes, material: Material, before: Paths, after: Pat
     """The phase function (n,) of light that comes back along the paths `after` a facet, for
     where the paths came from `before` it; colour aside, and for diffuse facets that of the
     normal that was met."""
-    if isinstance(material, Diffuse):
+    if not material.specular:
         assert before.m is not None
-        return -dot(before.d, before.m) / np.pi
+        return material.lobe(-dot(before.d, before.m))
     density, _ = pair_density(slopes, material, before, after.d, after.inside)
     if before.inside is not None:
-        density = density * squared_index(material, before.inside)
+        density = density * material.squared_index(before.inside)
     return density / slopes.sigma(-after.d)

@@ -6,10 +6,10 @@ from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.albedo import first_order_albedo
-from msbsdf_cli.smith.kernel import diffuse_density, masking_shadowing, scatter_density
+from msbsdf_cli.smith.masking import masking_shadowing
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Diffuse, Material
+from surfaces.materials import Material
 
 
 class Single(Holds):
@@ -69,7 +69,7 @@ def first_order(
         lanes = np.flatnonzero((out.inside == side) & (out.w[2] > 0))
         if lanes.size:
             w = out.w[:, lanes]
-            q = scatter_density(slopes, material, -wi, w, transmitted=side)
+            q = material.density(slopes, -wi, w, transmitted=side)
             value[:, lanes] = q * masking_shadowing(slopes, wi, w, side, correlated)
     return value
 
@@ -77,16 +77,11 @@ def first_order(
 def phase_density(slopes: Slopes, material: Material, wi: Array, wo: Array) -> Array:
     """Density (n,) per steradian of the direction in which the first facet sends light from `wi`
     (3,), whatever it absorbs: q / sigma for a mirror or an albedo of 1."""
-    d = -wi[:, None]
+    d, lossless = -wi[:, None], material.lossless
     density = np.zeros(wo.shape[1], wi.dtype)
-    if isinstance(material, Diffuse):
-        density = diffuse_density(slopes, d, wo)
-        return np.where(wo[2] > 0, density, 0) / slopes.sigma(d)
-    if isinstance(material, Conductor):
-        material = Conductor()
     for side in (False, True) if material.transmits else (False,):
         lanes = np.flatnonzero(wo[2] < 0 if side else wo[2] > 0)
         if lanes.size:
             w = -wo[:, lanes] if side else wo[:, lanes]
-            density[lanes] = scatter_density(slopes, material, d, w, transmitted=side)[0]
+            density[lanes] = lossless.density(slopes, d, w, transmitted=side)[0]
     return density / slopes.sigma(d)

@@ -12,7 +12,7 @@ from msbsdf_cli.methods.solver.interface import TwoHalfSpaces
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Dielectric, Diffuse, Material
+from surfaces.materials import Material
 
 COARSER = (0.75,)
 COARSER_OF_RIPPLES = (0.75, 0.5)
@@ -69,7 +69,7 @@ class Solve(Holds):
         """
         self.refuse(slopes, material)
         self.slopes, self.material = slopes, material
-        ripples = slopes.alpha_x != slopes.alpha_y or isinstance(material, Dielectric)
+        ripples = slopes.alpha_x != slopes.alpha_y or material.transmits
         coarser = COARSER_OF_RIPPLES if ripples else COARSER
         self.fine, *self.coarse = (
             _solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
@@ -167,7 +167,5 @@ def _answering_for(missing: Array, error: Array) -> Array:
 def _solution(
     slopes: Slopes, material: Material, orders: int, resolution: float
 ) -> HalfSpace | TwoHalfSpaces:
-    if isinstance(material, Dielectric):
-        return TwoHalfSpaces(slopes, material, orders, resolution)
-    assert isinstance(material, Conductor | Diffuse)
-    return HalfSpace(slopes, material, orders, resolution)
+    kind = TwoHalfSpaces if material.transmits else HalfSpace
+    return kind(slopes, material, orders, resolution)

@@ -21,7 +21,7 @@ from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
 from surfaces.batch import concatenate
 from surfaces.facet import Array
-from surfaces.materials import Diffuse, Material
+from surfaces.materials import Material
 
 ENOUGH_FOR_ERRORS = 64
 """Walks from each wo, if so many can be had, whose scatter is to tell their standard error."""
@@ -52,7 +52,7 @@ class WalkLowVariance(SampledByWalk):
         """`both_ends`: whether to walk from wo too; None: unless facets are diffuse."""
         self.refuse(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
-        self.both_ends = not isinstance(material, Diffuse) if both_ends is None else both_ends
+        self.both_ends = material.specular if both_ends is None else both_ends
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = exits(self.slopes, wo.astype(wi.dtype, copy=False))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from msbsdf_cli.methods import single, walk
 from msbsdf_cli.methods.single import Single
-from msbsdf_cli.smith import kernel
+from msbsdf_cli.smith import masking
 from msbsdf_cli.validation import bsdf
 from validation.fault_injection import (
     GLASS,
@@ -18,7 +18,7 @@ from validation.fault_injection import (
 
 
 def masking_product(monkeypatch):
-    right = kernel.masking_shadowing
+    right = masking.masking_shadowing
 
     def bent(slopes, wi, wo, transmitted, correlated=True):
         return right(slopes, wi, wo, transmitted, False)

@@ -1,7 +1,7 @@
 """Phase functions."""
 
-from msbsdf_cli.smith import kernel
 from msbsdf_cli.validation import phase
+from surfaces.materials import Conductor, Dielectric
 from validation.fault_injection import (
     GLASS,
     MIRROR,
@@ -13,33 +13,32 @@ from validation.fault_injection import (
 
 
 def no_jacobian_of_reflection(monkeypatch):
-    right = kernel.reflection_density
+    right = Conductor.reflection
 
     def bent(*args):
         density, colour = right(*args)
         return 4 * density, colour
 
-    monkeypatch.setattr(kernel, "reflection_density", bent)
+    monkeypatch.setattr(Conductor, "reflection", bent)
 
 
 def no_index_in_refraction(monkeypatch):
-    right = kernel.refraction_density
+    right = Dielectric.refraction
 
-    def bent(slopes, material, d, w, inside=False):
-        eta = kernel.relative_ior(material, inside)
-        return right(slopes, material, d, w, inside) / eta**2
+    def bent(self, normals, d, w, inside=False):
+        return right(self, normals, d, w, inside) / self.relative_ior(inside) ** 2
 
-    monkeypatch.setattr(kernel, "refraction_density", bent)
+    monkeypatch.setattr(Dielectric, "refraction", bent)
 
 
 def unlike_phase(monkeypatch):
-    """A facet's share of light depends on which way it goes, as Fresnel's must not."""
-    right = kernel.scatter_density
+    """What a facet sends depends on which way it goes, as Fresnel's law must not."""
+    right = Conductor.density
 
-    def bent(slopes, material, d, w, *args, **kwargs):
-        return right(slopes, material, d, w, *args, **kwargs) * (1 + 1e-6 * d[2])
+    def bent(self, normals, d, w, *args, **kwargs):
+        return right(self, normals, d, w, *args, **kwargs) * (1 + 1e-6 * d[2])
 
-    monkeypatch.setattr(phase, "scatter_density", bent)
+    monkeypatch.setattr(Conductor, "density", bent)
 
 
 PERTURBATIONS = [

@@ -22,12 +22,11 @@ from msbsdf_cli.methods.solver.nodes import (
     azimuths,
     coordinate,
 )
-from msbsdf_cli.methods.solver.orders import Kernel, Rows
-from msbsdf_cli.smith.kernel import scatter_density
-from msbsdf_cli.smith.quadrature import gauss
+from msbsdf_cli.methods.solver.orders import Discretisation, Kernel, Rows
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
-from surfaces.materials import Conductor, Diffuse
+from surfaces.materials import Material
+from surfaces.quadrature import gauss
 
 MIRRORS = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]])
 """Signs of x and y: the four mirrors, and by their products with each other the four parities."""
@@ -97,11 +96,11 @@ class QuarterGrid:
 
 
 @dataclass(frozen=True)
-class MirrorGrid(QuarterGrid):
+class MirrorGrid(QuarterGrid, Discretisation):
     """Facets that reflect: light goes down, then up."""
 
     elevations: Elevations
-    material: Conductor
+    material: Material
 
     def kernel(self) -> Kernel:
         """Scattering between the nodes."""
@@ -128,7 +127,7 @@ class MirrorGrid(QuarterGrid):
         phi, weight = self._offsets
         return phi + np.arctan2(d[1], d[0]), weight
 
-    def first(self, wi: Array) -> Array:
+    def first_order(self, wi: Array) -> Array:
         """Energy (channels,) of order 1, for light from `wi` (3,).
 
         A single integral over the closed form, with nodes of its own on either side of the
@@ -151,7 +150,7 @@ class MirrorGrid(QuarterGrid):
         phi, weight = self._around(d)
         w = _directions(sin, cos, phi)
         v = np.broadcast_to(np.array([[d[0]], [d[1]], [-np.abs(d[2])]]), w.shape)
-        q = scatter_density(self.slopes, self.material, v, w)
+        q = self.material.density(self.slopes, v, w)
         # (channels, elevations, blocks, quarter)
         q = np.tensordot(
             q.reshape(-1, sin.size, phi.size), self._fold(phi) * weight[:, None, None], 1
@@ -185,14 +184,14 @@ def _directions(sin: Array, cos: Array, phi: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class DiffuseGrid(QuarterGrid):
+class DiffuseGrid(QuarterGrid, Discretisation):
     """Lambertian facets: light may turn down again.
 
     q is a sum over facets of a product, so that parities of <-d, m> and of <w, m> in the facet's
     azimuth multiply. Facets are spaced evenly after the stretch that makes the roughness 1.
     """
 
-    material: Diffuse
+    material: Material
 
     def kernel(self) -> Kernel:
         """Scattering between the nodes."""

@@ -12,12 +12,11 @@ import numpy as np
 
 from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate
-from msbsdf_cli.methods.solver.orders import Kernel, Rows
-from msbsdf_cli.smith.kernel import scatter_density
-from msbsdf_cli.smith.quadrature import gauss
+from msbsdf_cli.methods.solver.orders import Discretisation, Kernel, Rows
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Diffuse
+from surfaces.materials import Material
+from surfaces.quadrature import gauss
 
 CHUNK = 1 << 16
 """Kernel values computed together: arrays that stay in a core's cache."""
@@ -48,11 +47,11 @@ def parting(a: Array, b: Array, modes: int) -> Array:
 
 
 @dataclass(frozen=True)
-class MirrorModes:
+class MirrorModes(Discretisation):
     """Facets that reflect: light goes down, then up."""
 
     slopes: Slopes
-    material: Conductor
+    material: Material
     elevations: Elevations
     modes: int
 
@@ -106,13 +105,13 @@ class MirrorModes:
         w[1] = sin[..., None] * np.sin(phi)
         w[2] = cos[..., None]
         before = np.broadcast_to(v[:, :, None, None], w.shape)
-        q = scatter_density(self.slopes, self.material, before.reshape(3, -1), w.reshape(3, -1))
+        q = self.material.density(self.slopes, before.reshape(3, -1), w.reshape(3, -1))
         modes: Array = q.reshape(-1, *shape) @ factors
         return modes
 
 
 @dataclass(frozen=True)
-class DiffuseModes:
+class DiffuseModes(Discretisation):
     """Lambertian facets: light may turn down again.
 
     A mode of q is an integral over the facets' inclination alone, of a product of the modes of
@@ -120,7 +119,7 @@ class DiffuseModes:
     """
 
     slopes: Slopes
-    material: Diffuse
+    material: Material
     elevations: Elevations
     modes: int
 
