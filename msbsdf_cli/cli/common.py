@@ -1,11 +1,9 @@
 """What the commands share: the scene from the options, warnings, and where reports go."""
 
-from pathlib import Path
 from typing import Any
 
 import click
 
-from msbsdf_cli.results.directory import refuse_existing
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
@@ -103,19 +101,6 @@ def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]
             if wanted:
                 raise click.BadParameter(f"{refusal}.", param_hint="--method") from None
     return tuple(holding)
-
-
-def announce(warnings: list[str]) -> None:
-    """Say the warnings on standard error."""
-    for sentence in warnings:
-        click.echo(f"Warning: {sentence}", err=True)
-
-
-def out_directory(command: str, slug: str, options: dict[str, Any]) -> Path:
-    """Where the report goes. Raises click.BadParameter for a place that is taken."""
-    out = Path(options["out"] or f"reports/{command}-{slug}")
-    refuse_existing(out, options["force"])
-    return out
 
 
 def duration(seconds: float) -> str:

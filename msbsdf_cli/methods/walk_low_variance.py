@@ -46,20 +46,16 @@ class WalkLowVariance(SampledByWalk):
     name = "walk-low-variance"
     traits = Traits("#e69f00", "s")
 
-    def __init__(
-        self, slopes: Slopes, material: Material, orders: int, both_ends: bool | None = None
-    ) -> None:
-        """`both_ends`: whether to walk from wo too; None: unless facets are diffuse."""
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
         self.refuse(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
-        self.both_ends = material.specular if both_ends is None else both_ends
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
         n_i, n_o = self._shares(samples, out.n)
         ends = _Ends(out, n_o / n_i, far_end(self.material, out) / wi[2])
         value, stderr = self._from_wi(wi, ends, n_i, rng)
-        if self.both_ends:
+        if self.material.specular:
             from_wo, stderr_wo = self._from_wo(wi, ends, n_o, rng)
             value, stderr = value + from_wo, np.hypot(stderr, stderr_wo)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
@@ -70,7 +66,7 @@ class WalkLowVariance(SampledByWalk):
         """Of either end, the less: a path counts by both."""
         out, (n_i, n_o) = exits(self.slopes, wo), self._shares(samples, wo.shape[1])
         from_wi = one_walk(self.slopes, self.material, out, n_i, rng)
-        if not self.both_ends:
+        if not self.material.specular:
             return from_wi
         start = exits(self.slopes, wi[:, None])
         from_wo = one_walk(self.slopes, self.material, start, n_o, rng)
@@ -79,7 +75,7 @@ class WalkLowVariance(SampledByWalk):
     def _shares(self, samples: int, directions: int) -> tuple[int, int]:
         """Walks from wi, and from each wo."""
         fair = max(samples // (1 + directions), ENOUGH_FOR_ERRORS)
-        n_o = max(1, min(fair, samples // 2)) if self.both_ends else 0
+        n_o = max(1, min(fair, samples // 2)) if self.material.specular else 0
         return max(1, samples - n_o), n_o
 
     def _from_wi(
@@ -128,7 +124,7 @@ class WalkLowVariance(SampledByWalk):
         for block in walks.blocks(BLOCK):
             block.m = meet(self.slopes, self.material, block, rng)
             after = leave_facet(self.slopes, self.material, block, rng)
-            if self.both_ends:
+            if self.material.specular:
                 after.other = self._seen_from_beyond(block, after)
             parts.append(next_facet(after, rng))
         follow_forced(

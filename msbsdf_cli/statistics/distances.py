@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.special import erf
 
-from msbsdf_cli.statistics.errors import jackknife
+from msbsdf_cli.statistics.jackknife import jackknife
 from surfaces.facet import Array
 from surfaces.streams import stream
 
