@@ -95,7 +95,7 @@ def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]
     holding = []
     for name in wanted or METHODS:
         try:
-            METHODS[name].refuse(scene.slopes, scene.material)
+            METHODS[name].check_supported(scene.slopes, scene.material)
             holding.append(name)
         except UnsupportedError as refusal:
             if wanted:

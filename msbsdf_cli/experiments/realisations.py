@@ -8,7 +8,7 @@ import numpy as np
 from msbsdf_cli.experiments.discretisation import COARSER, pairs, squared_errors
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
-from msbsdf_cli.run.executors import Progress, Workers, in_order
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.statistics.tally import MERGED, PHI_BINS, THETA_BINS, Tally, merge_bins
 from surfaces.facet import Array
@@ -130,7 +130,7 @@ def simulate(
     notes = dict.fromkeys(("embree_s", "surface_s", "trace_s", "rays", "free_paths_lost"), 0.0)
     total = rays * resolution.realisations * len(scene.theta)
     with Progress("simulate", total, "rays", quiet) as progress:
-        for result in in_order(trace_surface, jobs, workers):
+        for result in map_ordered(trace_surface, jobs, workers):
             for tally, unit in zip(tallies, result.tallies, strict=True):
                 tally.merge(unit)
             groups.add(result.tallies)

@@ -8,7 +8,7 @@ from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
-from msbsdf_cli.run.executors import Progress, Workers, in_order
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.smith.heights import HEIGHTS, Heights
 from msbsdf_cli.smith.slopes import Slopes
@@ -45,7 +45,7 @@ def walk(
         for job in jobs(model, scene.wi(theta, dtype), samples, scene.orders, seed, max_order, i)
     )
     with Progress("walk", samples * len(scene.theta), "walks", quiet) as progress:
-        for index, tally in in_order(run_walks, parts, workers):
+        for index, tally in map_ordered(run_walks, parts, workers):
             tallies[index].merge(tally)
             progress.advance(tally.rays)
     wall_s = time.monotonic() - started

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits
+from msbsdf_cli.methods.base import Outgoing
 from msbsdf_cli.methods.estimate import Estimate
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
@@ -62,23 +62,23 @@ def follow(
     slopes: Slopes,
     material: Material,
     paths: P,
-    exits: int,
+    directions: int,
     estimate: Estimate,
     rng: np.random.Generator,
     value: Callable[[P], Array],
     go_on: Callable[[P], P],
     order: int = 1,
 ) -> None:
-    """Add `value` (channels, n, exits) of paths at their facet number `order`, and at all later
-    ones, until none is left. `go_on` leads to the next facet those that meet one."""
+    """Add `value` (channels, n, directions) of paths at their facet number `order`, and at all
+    later ones, until none is left. `go_on` leads to the next facet those that meet one."""
     while paths.n:
         if order > estimate.orders and estimate.tail is None:
             paths.slot = np.arange(paths.n)
-            estimate.open_tail(paths.n, exits, paths.start)
+            estimate.open_tail(paths.n, directions, paths.start)
         staying = []
         for block in paths.blocks(BLOCK):
             block.m = meet(slopes, material, block, rng)
-            for piece in block.blocks(lanes_for(exits)):
+            for piece in block.blocks(lanes_for(directions)):
                 estimate.add(order, value(piece), piece.slot, piece.start)
             staying.append(go_on(block))
         paths = concatenate(staying)
@@ -107,10 +107,10 @@ def scatter(
 
 
 def next_event(
-    slopes: Slopes, material: Material, paths: Paths, out: Exits
+    slopes: Slopes, material: Material, paths: Paths, out: Outgoing
 ) -> tuple[Array, Array | None]:
-    """What the facet sends towards all the exits: the phase function, per steradian, (n, exits),
-    and the share of each channel, (channels, n, exits) or broadcasting to it.
+    """What the facet sends towards all outgoing directions: the phase function, per steradian, (n,
+    directions), and the share of each channel, (channels, n, directions) or broadcasting to it.
 
     For diffuse facets it is that of the one normal that was met, an unbiased stand-in.
     """
@@ -141,16 +141,16 @@ def next_event(
 
 
 def coloured(phase: Array, colour: Array | None, weight: Array | None) -> Array:
-    """Values (n, exits) in each channel, (channels, n, exits)."""
+    """Values (n, directions) in each channel, (channels, n, directions)."""
     value = phase[None]
     if colour is not None:
         value = value * colour
     return value if weight is None else value * weight[:, :, None]
 
 
-def lanes_for(exits: int) -> int:
-    """How many paths fill a block when each looks towards so many exits."""
-    return max(1, BLOCK // exits)
+def lanes_for(directions: int) -> int:
+    """How many paths fill a block when each looks towards so many directions."""
+    return max(1, BLOCK // directions)
 
 
 def pair_density(

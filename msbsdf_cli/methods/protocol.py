@@ -42,7 +42,7 @@ class Method(Protocol):
     traits: Traits
 
     @classmethod
-    def refuse(cls, slopes: Slopes, material: Material) -> None:
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
         """Raise `UnsupportedError` for what the method cannot do, before any work is done."""
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None: ...
@@ -54,7 +54,7 @@ class Method(Protocol):
         in the precision of `wi`.
         """
 
-    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+    def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         """Error (channels, n) that paths may leave in all values from order 2 on which none of
         `samples` walks has found; it adds to `stderr` in quadrature. 0 without noise."""
 

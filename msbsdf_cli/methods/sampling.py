@@ -4,9 +4,9 @@ import sys
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Holds, exits
+from msbsdf_cli.methods.base import MethodBase, outgoing
 from msbsdf_cli.methods.single import phase_density
-from msbsdf_cli.methods.unseen import one_walk
+from msbsdf_cli.methods.undersampling import undersampling_bound
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
@@ -49,14 +49,16 @@ def broadened_pdf(slopes: Slopes, material: Material, wi: Array, wo: Array) -> A
     return (1 - MULTIPLE_SHARE) * first + MULTIPLE_SHARE * lobe
 
 
-class SampledByWalk(Holds):
+class SampledByWalk(MethodBase):
     """Base of the methods that evaluate the random walk's own model: the walk samples it."""
 
     slopes: Slopes
     material: Material
 
-    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
-        return one_walk(self.slopes, self.material, exits(self.slopes, wo), samples, rng)
+    def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+        return undersampling_bound(
+            self.slopes, self.material, outgoing(self.slopes, wo), samples, rng
+        )
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         return sample_walk(self.slopes, self.material, wi, n, rng)

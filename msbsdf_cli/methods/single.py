@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, Holds, exits
+from msbsdf_cli.methods.base import MethodBase, Outgoing, outgoing
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.albedo import first_order_albedo
@@ -12,7 +12,7 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-class Single(Holds):
+class Single(MethodBase):
     """One bounce with height-correlated masking and shadowing, [HHdD16] Eqs. 11, 16 and 17.
 
     No noise: diffuse facets are integrated over by quadrature. The energy that later bounces
@@ -24,12 +24,12 @@ class Single(Holds):
     deterministic = True
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.refuse(slopes, material)
+        self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         value = np.zeros((self.material.channels, self.orders + 1, wo.shape[1]), wi.dtype)
-        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         later = 1 - float(first_order_albedo(self.slopes, self.material, wi[:, None])[0])
         return Evaluation(value, np.zeros_like(value), unresolved=max(later, 0.0))
@@ -56,7 +56,7 @@ class Single(Holds):
 
 
 def first_order(
-    slopes: Slopes, material: Material, wi: Array, out: Exits, correlated: bool = True
+    slopes: Slopes, material: Material, wi: Array, out: Outgoing, correlated: bool = True
 ) -> Array:
     """BSDF x cos(theta_o) of the first bounce, (channels, n), for `wi` (3,): q G2 / cos(theta_i).
 

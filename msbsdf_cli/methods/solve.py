@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Holds, exits
+from msbsdf_cli.methods.base import MethodBase, outgoing
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import first_order
-from msbsdf_cli.methods.solver.halfspace import HalfSpace
-from msbsdf_cli.methods.solver.interface import TwoHalfSpaces
+from msbsdf_cli.methods.solver.dielectric import DielectricSolution
+from msbsdf_cli.methods.solver.opaque import OpaqueSolution
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
@@ -46,7 +46,7 @@ class Energy:
     """Error estimate of both together, from several resolutions and from what the sum misses."""
 
 
-class Solve(Holds):
+class Solve(MethodBase):
     """The integral equation of the Smith model, discretised and solved, for orders up to infinity.
 
     Same model as the random walk of [HHdD16], Algorithm 1. Arithmetic is in float64; results are
@@ -67,7 +67,7 @@ class Solve(Holds):
         to 3e-7. Towards grazing angles lobes of narrow roughness are narrower than the nodes, and
         directional values there are less accurate: `stderr` shows it.
         """
-        self.refuse(slopes, material)
+        self.check_supported(slopes, material)
         self.slopes, self.material = slopes, material
         ripples = slopes.alpha_x != slopes.alpha_y or material.transmits
         coarser = COARSER_OF_RIPPLES if ripples else COARSER
@@ -111,7 +111,7 @@ class Solve(Holds):
         wi, wo = wi.astype(float), wo.astype(float)
         value, unresolved = self.fine.evaluate(wi, wo)
         error = np.max([np.abs(value - c.evaluate(wi, wo)[0]) for c in self.coarse], axis=0)
-        value[:, 0] = first_order(self.slopes, self.material, wi, exits(self.slopes, wo))
+        value[:, 0] = first_order(self.slopes, self.material, wi, outgoing(self.slopes, wo))
         return Evaluation(value.astype(dtype), error.astype(dtype), unresolved)
 
     def energy(self, wi: Array) -> Energy:
@@ -166,6 +166,6 @@ def _answering_for(missing: Array, error: Array) -> Array:
 
 def _solution(
     slopes: Slopes, material: Material, orders: int, resolution: float
-) -> HalfSpace | TwoHalfSpaces:
-    kind = TwoHalfSpaces if material.transmits else HalfSpace
+) -> OpaqueSolution | DielectricSolution:
+    kind = DielectricSolution if material.transmits else OpaqueSolution
     return kind(slopes, material, orders, resolution)

@@ -12,7 +12,7 @@ from msbsdf_cli.smith.slopes import NAMES
 FEW = ["--quick", "--samples", "2e3", "--threads", "2"]
 
 # A program whose projected areas are 1 % too large, as a user would meet it. It leaves out the
-# methods, which take most of the time and whose identities are bent one by one elsewhere.
+# methods, which take most of the time and whose identities are faulty one by one elsewhere.
 BENT = """
 from msbsdf_cli.validation import suite
 plan = suite.plan
@@ -69,7 +69,7 @@ def test_the_table_is_what_the_contract_says(report):
         assert float(row["detectable"]) >= float(row["tolerance"]) * (1 - 1e-9)
 
 
-def test_a_bent_program_ends_with_status_3(tmp_path):
+def test_a_faulty_program_ends_with_status_3(tmp_path):
     out = tmp_path / "r"
     result = validate(*FEW, "--out", out, before=BENT)
     assert result.returncode == 3, result.stderr

@@ -15,30 +15,30 @@ from validation.fault_injection import (
 def no_jacobian_of_reflection(monkeypatch):
     right = Conductor.reflection
 
-    def bent(*args):
+    def faulty(*args):
         density, colour = right(*args)
         return 4 * density, colour
 
-    monkeypatch.setattr(Conductor, "reflection", bent)
+    monkeypatch.setattr(Conductor, "reflection", faulty)
 
 
 def no_index_in_refraction(monkeypatch):
     right = Dielectric.refraction
 
-    def bent(self, normals, d, w, inside=False):
+    def faulty(self, normals, d, w, inside=False):
         return right(self, normals, d, w, inside) / self.relative_ior(inside) ** 2
 
-    monkeypatch.setattr(Dielectric, "refraction", bent)
+    monkeypatch.setattr(Dielectric, "refraction", faulty)
 
 
 def unlike_phase(monkeypatch):
     """What a facet sends depends on which way it goes, as Fresnel's law must not."""
     right = Conductor.density
 
-    def bent(self, normals, d, w, *args, **kwargs):
+    def faulty(self, normals, d, w, *args, **kwargs):
         return right(self, normals, d, w, *args, **kwargs) * (1 + 1e-6 * d[2])
 
-    monkeypatch.setattr(Conductor, "density", bent)
+    monkeypatch.setattr(Conductor, "density", faulty)
 
 
 PERTURBATIONS = [
@@ -70,5 +70,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
-    assert_turns(bend, identity, configuration, samples, name)
+def test_a_faulty_formula_turns_the_verdict(fault, identity, configuration, samples, name):
+    assert_turns(fault, identity, configuration, samples, name)

@@ -15,7 +15,7 @@ from msbsdf_cli.experiments.tradeoff.measuring import (
 from msbsdf_cli.experiments.tradeoff.rows import Row
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.run.executors import in_order
+from msbsdf_cli.run.executors import map_ordered
 from msbsdf_cli.scene import Scene
 from surfaces.streams import stream
 
@@ -129,7 +129,7 @@ def over_threads(
                 places = [(setting.method, r, part) for part in range(THREAD_PARTS)]
                 jobs = [ShareJob(scene, setting, lobe, seed, place) for place in places]
                 started = time.perf_counter()
-                for _ in in_order(do_share, jobs, count):
+                for _ in map_ordered(do_share, jobs, count):
                     pass
                 seconds.setdefault((setting, count), []).append(time.perf_counter() - started)
     rows = []

@@ -12,7 +12,7 @@ import numpy as np
 
 from msbsdf_cli.experiments.realisations import Resolution, SurfaceJob, trace_surface
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.run.executors import Progress, Workers, in_order
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.jackknife import jackknife
 from msbsdf_cli.statistics.repetitions import root
@@ -69,7 +69,7 @@ def trace_surfaces(
     )
     units, surface_s, trace_s = [], [], []
     with Progress("surfaces", resolution.realisations, "surfaces", quiet) as progress:
-        for result in in_order(trace_surface, jobs, workers):
+        for result in map_ordered(trace_surface, jobs, workers):
             lobes = [t.estimate("lobe").value.sum(axis=0) for t in result.tallies]
             units.append([merge_sides(lobe) for lobe in lobes])
             surface_s.append(result.surface_s)
@@ -115,7 +115,7 @@ def distances(
     """Of the models behind the methods, and always of the Smith model."""
     models = dict.fromkeys(["smith", *(METHODS[name].traits.model for name in methods)])
     jobs = [ModelJob(scene, sampler(m), part, seed) for m in models for part in range(PARTS)]
-    results = list(in_order(sample_model, jobs, workers))
+    results = list(map_ordered(sample_model, jobs, workers))
     solid_angle = merged_solid_angle()
     found = []
     for k, model in enumerate(models):

@@ -10,8 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate
+from msbsdf_cli.methods.solver.normalisation import KernelScale, balance
 from msbsdf_cli.methods.solver.orders import Discretisation, Kernel, Rows
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
@@ -162,7 +162,7 @@ class DiffuseModes(Discretisation):
         return self._scatter(behind, behind, facets)
 
     @cached_property
-    def _balance(self) -> Balance:
+    def _balance(self) -> KernelScale:
         nodes = self.elevations.nodes
         across, down = self._raw_rows(np.arctan2(nodes.cos, nodes.sin))
         up = upward(nodes)

@@ -18,7 +18,7 @@ ENDS = 128
 
 
 @dataclass(frozen=True)
-class HalfSpace:
+class OpaqueSolution:
     """All orders of a conductor or of diffuse facets, at one resolution."""
 
     slopes: Slopes
