@@ -1,11 +1,11 @@
-"""Formulas faulty in several tests, where they are measured, and what must come of it."""
+"""Faults put into formulas, used by several tests, and what must come of them."""
 
 from functools import cache
 
 import numpy as np
 import pytest
 
-from msbsdf_cli.methods import walk
+from msbsdf_cli.methods import forced_collisions, walk
 from msbsdf_cli.methods.energy_compensated import EnergyCompensated
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.smith.slopes import Beckmann, Ggx

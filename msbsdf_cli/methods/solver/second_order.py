@@ -60,9 +60,9 @@ class _Facet:
     event: int
 
     def q(self, d: Array, w: Array) -> tuple[Array, Array]:
-        """q (lanes,) in closed form, and its weight for multiple importance sampling: it has edges where
-        facets point to the horizon, and no limit where light is hardly deflected, and at either the
-        half vector of length |w - d| or |d + eta w| does not rise."""
+        """q (lanes,) in closed form, and its weight for multiple importance sampling: it has edges
+        where facets point to the horizon, and no limit where light is hardly deflected, and at
+        either the half vector of length |w - d| or |d + eta w| does not rise."""
         interface = Dielectric(self.eta)
         if self.event == 1:
             q, rise = interface.refraction(self.slopes, d, w), d[2] + self.eta * w[2]
