@@ -162,9 +162,10 @@ def modelled(
 ) -> list[Any]:
     """Light of the walk, or of the methods wanted; the report of a walk made goes into `draft`."""
     from msbsdf_cli.cli import walk
-    from msbsdf_cli.experiments.method_lobes import method_lobes
 
     if options["method"] is not None:
+        from msbsdf_cli.experiments.method_lobes import method_lobes
+
         names = ("samples", "seed", "threads", "precision", "quiet")
         return method_lobes(scene, options["method"], *(options[name] for name in names))
     if "walk" in handed:

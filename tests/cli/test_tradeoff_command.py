@@ -1,8 +1,6 @@
 """`msbsdf tradeoff` as a user meets it."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 from command_line import msbsdf, refused, table
@@ -68,14 +66,3 @@ def test_dielectrics_and_ggx_with_quasirandom_points_and_no_surfaces(tmp_path):
 def test_bad_input_is_refused_in_a_sentence(words, tmp_path):
     assert words[0] in refused("tradeoff", *words, "--out", tmp_path / "r")
     assert not (tmp_path / "r").exists()
-
-
-def test_help_imports_nothing_heavy():
-    code = (
-        "import sys; from click.testing import CliRunner; from msbsdf_cli.cli import group\n"
-        "CliRunner().invoke(group, ['tradeoff', '--help'])\n"
-        "heavy = {'numpy', 'scipy', 'matplotlib', 'trimesh', 'embreex'} & set(sys.modules)\n"
-        "sys.exit(', '.join(heavy) or 0)"
-    )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr

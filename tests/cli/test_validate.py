@@ -1,8 +1,6 @@
 """`msbsdf validate` as a user meets it, in processes of its own."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 from command_line import msbsdf, table
@@ -26,7 +24,7 @@ Ggx.sigma = lambda self, d: 1.01 * right(self, d)
 SOME = """
 from msbsdf_cli.validation import suite
 plan = suite.plan
-suite.plan = lambda *words: (job for job in plan(*words) if job.place % 4 == 1)
+suite.plan = lambda *words: (job for job in plan(*words) if (job.number + job.place) % 6 == 1)
 """
 
 COLUMNS = [
@@ -108,14 +106,3 @@ def test_bad_input_is_refused_in_a_sentence(report, tmp_path):
         assert said in result.stderr
         assert "Traceback" not in result.stderr
     assert list(tmp_path.iterdir()) == []
-
-
-def test_help_imports_nothing_heavy():
-    code = (
-        "import sys; from click.testing import CliRunner; from msbsdf_cli.cli import group\n"
-        "assert CliRunner().invoke(group, ['validate', '--help']).exit_code == 0\n"
-        "heavy = {'numpy', 'scipy', 'matplotlib', 'trimesh', 'embreex'} & set(sys.modules)\n"
-        "sys.exit(', '.join(heavy) or 0)"
-    )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
