@@ -43,6 +43,8 @@ def keys(monkeypatch):
             super().__init__(seed, spawn_key=spawn_key, **more)
 
     monkeypatch.setattr(np.random, "SeedSequence", Recorded)
+    # No picture is made of random numbers, and drawing takes longer than the run.
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *args, **keywords: None)
     for module, values in FEWER.items():
         for constant, value in values.items():
             monkeypatch.setattr(f"{module}.{constant}", value)
