@@ -10,7 +10,7 @@ from msbsdf_cli.results.run import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import distribution, parameters
-from surfaces.materials import MOST_INDEX, Conductor, Dielectric, Diffuse, Material
+from surfaces.materials import NAMES, Material, material
 
 WALKS_PER_S = 5e6
 RAYS_PER_S = 1e6
@@ -23,8 +23,7 @@ LONG_S = 600
 def scene_from(options: dict[str, Any]) -> Scene:
     """The scene that options describe.
 
-    Raises click.UsageError for a metal given twice, and click.BadParameter for indices that are
-    none.
+    Raises click.BadParameter for options that describe no material.
     """
     name = options["slopes"]
     shape = {parameter: options[parameter] for parameter in parameters(name)}
@@ -39,25 +38,17 @@ def scene_from(options: dict[str, Any]) -> Scene:
 
 def material_from(options: dict[str, Any]) -> Material:
     """The facets' material; raises as `scene_from` does."""
-    metal, given = options["metal"], options["eta_k"] or ()
-    if metal is not None and given:
-        raise click.UsageError("--metal and --eta-k both give the metal's index; give one of them.")
-    pairs = tuple(zip(given[::2], given[1::2], strict=False))
+    cls = material(options["material"])
     try:
-        mirror = Conductor(pairs)
-    except ValueError:
-        mirror = None
-    if mirror is None or len(given) % 2:
-        raise click.BadParameter(
-            f"{','.join(f'{x:g}' for x in given)} is not a metal's index: N above 0, K 0 or more, "
-            f"both at most {MOST_INDEX:g}.",
-            param_hint="--eta-k",
-        )
-    if options["material"] == "diffuse":
-        return Diffuse(options["albedo"])
-    if options["material"] == "dielectric":
-        return Dielectric(options["ior"])
-    return mirror if metal is None else Conductor.named(metal, options.get("rgb", False))
+        return cls.from_options(options)
+    except ValueError as refusal:
+        names = " / ".join(f"--{name.replace('_', '-')}" for name in cls.option_names())
+        raise click.BadParameter(str(refusal), param_hint=names) from None
+
+
+def material_options() -> dict[str, str]:
+    """The material that each option of a single one is for."""
+    return {option: name for name in NAMES for option in material(name).option_names()}
 
 
 def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
@@ -81,12 +72,11 @@ def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
     about how many seconds one core will need."""
     warnings = []
     given = click.get_current_context().get_parameter_source
-    belongs = {"metal": "conductor", "eta_k": "conductor", "albedo": "diffuse", "ior": "dielectric"}
-    for name, material in belongs.items():
+    for name, facets in material_options().items():
         explicit = given(name) is click.core.ParameterSource.COMMANDLINE
-        if explicit and options["material"] != material:
+        if explicit and options["material"] != facets:
             warnings.append(
-                f"--{name.replace('_', '-')} has no effect: it is for --material {material}, "
+                f"--{name.replace('_', '-')} has no effect: it is for --material {facets}, "
                 f"and this is {options['material']}."
             )
     roughest = max(options["alpha"])
@@ -113,7 +103,7 @@ def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]
     holding = []
     for name in wanted or METHODS:
         try:
-            METHODS[name].refuse(scene.slopes, scene.material)
+            METHODS[name].check_supported(scene.slopes, scene.material)
             holding.append(name)
         except UnsupportedError as refusal:
             if wanted:

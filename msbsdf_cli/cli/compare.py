@@ -86,6 +86,7 @@ def take_runs(runs: tuple[str, ...], options: dict[str, Any]) -> dict[str, Path]
     Raises click.UsageError where a scene is given beside them, and click.ClickException for what
     is not a report.
     """
+    from msbsdf_cli.cli import common
     from msbsdf_cli.experiments.agreement import SAME
     from msbsdf_cli.results.directory import read_run
 
@@ -98,7 +99,7 @@ def take_runs(runs: tuple[str, ...], options: dict[str, Any]) -> dict[str, Path]
                 "are compared."
             )
         handed[run["command"]] = Path(name)
-        scene = (*SAME, "slopes", "metal", "eta_k", "albedo", "ior", *FREE_PATH)
+        scene = (*SAME, "slopes", *common.material_options(), *FREE_PATH)
         source = click.get_current_context().get_parameter_source
         for option in (o.replace("-", "_") for o in scene):
             if source(option) is click.core.ParameterSource.COMMANDLINE:

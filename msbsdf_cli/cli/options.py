@@ -9,6 +9,8 @@ import click
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
+from surfaces.materials import NAMES as MATERIALS
+from surfaces.metals import METALS
 
 Decorator = Callable[[Callable[..., None]], Callable[..., None]]
 
@@ -154,11 +156,9 @@ class Methods(click.ParamType):
         return names
 
 
-METALS = ("gold", "silver", "copper", "aluminium", "chromium")
-
 _OPTIONS: dict[str, Any] = {
     "material": dict(
-        type=click.Choice(["conductor", "diffuse", "dielectric"]),
+        type=click.Choice(MATERIALS),
         default="conductor",
         help="What the facets are made of.",
     ),
@@ -206,7 +206,8 @@ _OPTIONS: dict[str, Any] = {
         help="Dielectric: index inside over index outside.",
     ),
     "metal": dict(
-        type=click.Choice(METALS), help="Conductor: Fresnel reflectance of this metal at 549 nm."
+        type=click.Choice(list(METALS)),
+        help="Conductor: Fresnel reflectance of this metal at 549 nm.",
     ),
     "eta-k": dict(
         type=Numbers(2), metavar="N,K", help="Conductor: Fresnel from the complex index N + iK."

@@ -19,10 +19,10 @@ from msbsdf_cli.statistics.distances import (
 )
 from msbsdf_cli.statistics.tally import SIDES, lobe_axes, merge_bins
 from surfaces.facet import Array
+from surfaces.materials import NAMES, material
 
 SAME = ("material", "alpha", "theta", "phi", "orders")
 """Options in which two runs of one scene agree, beside those that matter for the material."""
-SAME_FOR = {"conductor": ("metal", "eta_k"), "diffuse": ("albedo",), "dielectric": ("ior",)}
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ def in_order(first: Path, second: Path) -> tuple[Path, Path]:
         )
     simulated, modelled = runs["simulate"], runs["walk"]
     a, b = (read_run(d)["options"] for d in (simulated, modelled))
-    for name in ("slopes", *SAME, *SAME_FOR.get(a.get("material"), ())):
+    own = material(a["material"]).option_names() if a.get("material") in NAMES else ()
+    for name in ("slopes", *SAME, *own):
         if a.get(name) != b.get(name):
             raise click.ClickException(
                 f"the reports are of different scenes: {name} is {a.get(name)} in {simulated} "

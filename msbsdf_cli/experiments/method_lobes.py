@@ -13,7 +13,6 @@ from msbsdf_cli.results.tables import energy_table, lobe_table
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.tally import PHI_BINS, Estimate, lobe_axes
 from surfaces.facet import Array
-from surfaces.materials import Dielectric, Diffuse
 
 MOST_PLACES = 16
 """At most so many places in a bin: as many as there are parts of the samples to take them."""
@@ -52,17 +51,13 @@ def places(scene: Scene) -> int:
     """In how many places of a bin to evaluate: a power of 2, so many that the steps of azimuth are
     below half a lobe's standard deviation, but from 2 to `MOST_PLACES`.
 
-    A facet's slope has the standard deviation alpha / sqrt(2). Reflection doubles it as an angle,
-    refraction from index 1 to n > 1 or back takes it times 1 - 1 / n, and an azimuth near the
-    horizon times cos(theta). Lobes of diffuse facets are wide.
+    A facet's slope has the standard deviation alpha / sqrt(2). The material's `bend` multiplies it,
+    and an azimuth near the horizon takes it times cos(theta). Lobes of diffuse facets are wide.
     """
     material = scene.material
-    if isinstance(material, Diffuse):
+    if not material.specular:
         return 2
-    bend = 2.0
-    if isinstance(material, Dielectric):
-        bend = 1 - min(material.ior, 1 / material.ior)
-    width = bend * min(scene.alpha) * math.cos(max(scene.theta)) / math.sqrt(2)
+    width = material.bend * min(scene.alpha) * math.cos(max(scene.theta)) / math.sqrt(2)
     wanted = 2 * (2 * math.pi / PHI_BINS) / width
     return min(2 ** max(math.ceil(math.log2(wanted)), 1), MOST_PLACES)
 

@@ -25,7 +25,7 @@ from msbsdf_cli.smith.descent import slant
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
 from surfaces.facet import Array, dot
-from surfaces.materials import Diffuse, Material
+from surfaces.materials import Material
 
 
 @dataclass(kw_only=True)
@@ -157,7 +157,7 @@ def _sampled_density(model: Model, path: SubPath, after: SubPath, reverse: bool)
 
     A diffuse facet is always the one that light from wi finds, whichever end walks.
     """
-    if not isinstance(model.material, Diffuse):
+    if not model.material.lambertian:
         return pair_density(model.slopes, model.material, path, after.d, after.inside)[0]
     assert path.m is not None
     if reverse:
@@ -171,7 +171,7 @@ def _connect(model: Model, a: SubPath, b: SubPath, last: bool) -> Array:
     slopes, material = model.slopes, model.material
     assert a.m is not None
     w = -b.d
-    if isinstance(material, Diffuse):
+    if material.lambertian:
         density = a.sigma * np.maximum(dot(w, a.m), 0) / np.pi
         colour: Array | None = np.array(material.albedos, density.dtype)[:, None]
     else:

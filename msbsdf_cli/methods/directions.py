@@ -8,7 +8,7 @@ from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Dielectric, Diffuse, Material
+from surfaces.materials import Material
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,9 @@ class Holds:
         return None
 
     @classmethod
-    def refuse(cls, slopes: Slopes, material: Material) -> None:
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
         """Raise `UnsupportedError` for what the method cannot do."""
-        if not isinstance(material, Conductor | Diffuse | Dielectric):
-            raise UnsupportedError(f"method {cls.name} does not know the material {material.name}")
-        if isinstance(material, Dielectric) and material.ior == 1:
+        if material.transmits and material.ior == 1:
             raise UnsupportedError(
                 f"method {cls.name} needs an index other than 1: light that goes straight on has "
                 "no density"
@@ -75,7 +73,7 @@ def squared_index(material: Material, inside: Array | bool) -> Array | float:
     Light carries energy here, not radiance: seen from its other end, a path counts the ratio of
     the squared indices at its ends.
     """
-    return np.where(inside, material.ior**2, 1.0) if isinstance(material, Dielectric) else 1.0
+    return np.where(inside, material.ior**2, 1.0) if material.transmits else 1.0
 
 
 def far_end(material: Material, out: Exits) -> Array:

@@ -11,8 +11,8 @@ from msbsdf_cli.methods.single import first_order, phase_density
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
-from surfaces.facet import Array, fresnel_dielectric, unit_circle
-from surfaces.materials import Conductor, Dielectric, Material
+from surfaces.facet import Array, unit_circle
+from surfaces.materials import Material
 
 POLAR_NODES = 49
 AZIMUTHS = 25
@@ -112,16 +112,16 @@ class EnergyCompensated(Holds):
     deterministic = True
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.refuse(slopes, material)
+        self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
         self.E = Albedo(slopes, material, inside=False)
         self.E_inside = Albedo(slopes, material, inside=True) if material.transmits else self.E
         self.through = self._share_through()
 
     @classmethod
-    def refuse(cls, slopes: Slopes, material: Material) -> None:
-        super().refuse(slopes, material)
-        if not isinstance(material, Conductor | Dielectric):
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
+        super().check_supported(slopes, material)
+        if not material.specular:
             raise UnsupportedError(
                 "method energy-compensated is for conductors and dielectrics: diffuse facets lose "
                 "no energy to a closed form that anybody would compensate"
@@ -178,7 +178,7 @@ class EnergyCompensated(Holds):
 
     def _bounced_again(self) -> Array:
         """What of the lost energy a metal returns after more bounces, (channels,)."""
-        F = _cosine_mean(self._fresnel)
+        F = _cosine_mean(self.material.fresnel)
         return F * F * self.E.mean / (1 - F * (1 - self.E.mean))
 
     def _share_through(self) -> float:
@@ -187,18 +187,11 @@ class EnergyCompensated(Holds):
         Fresnel's law is reciprocal, (1 - Fbar) = ior^2 (1 - Fbar_inside); times the mean loss of
         the other side it makes the two lobes reciprocal, and the larger loss keeps it below 1.
         """
-        if not isinstance(self.material, Dielectric):
+        if not self.material.transmits:
             return 0.0
-        ior = self.material.ior
-        F = _cosine_mean(lambda cos_i: fresnel_dielectric(cos_i, ior)[0][None])
+        F = _cosine_mean(self.material.fresnel)
         lost, lost_inside = 1 - self.E.mean, 1 - self.E_inside.mean
         return float((1 - F[0]) * lost_inside / max(lost, lost_inside))
-
-    def _fresnel(self, cos_i: Array) -> Array:
-        assert isinstance(self.material, Conductor)
-        if not self.material.absorbs:
-            return np.ones((1, cos_i.size))
-        return self.material.fresnel(cos_i)
 
 
 def _cosine_mean(fresnel: Callable[[Array], Array]) -> Array:

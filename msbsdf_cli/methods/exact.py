@@ -71,12 +71,12 @@ class Exact(SampledByWalk):
     traits = Traits("#009e73", "D")
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.refuse(slopes, material)
+        self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
 
     @classmethod
-    def refuse(cls, slopes: Slopes, material: Material) -> None:
-        super().refuse(slopes, material)
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
+        super().check_supported(slopes, material)
         if material.transmits:
             raise UnsupportedError(
                 "method exact is for conductors and diffuse facets: light that changes sides turns "
@@ -102,7 +102,7 @@ class Exact(SampledByWalk):
         for order in count(1):
             if order == self.orders + 1:
                 _open_tail(groups, out, estimate)
-            if order == (HEIGHTS_FROM_MIRRORS if mirrors(self.material) else HEIGHTS_FROM):
+            if order == (HEIGHTS_FROM if self.material.turns_down else HEIGHTS_FROM_MIRRORS):
                 self._sample_heights(groups, out, estimate, order, rng)
                 return
             parts = defaultdict(list)
@@ -120,9 +120,7 @@ class Exact(SampledByWalk):
 
     def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Descents:
         columns = arriving(self.slopes, self.material, np.tile(-wi[:, None], n), np.zeros(n, bool))
-        descent = arriving_descent(
-            slant(columns["d"], columns["sigma"]), not mirrors(self.material)
-        )
+        descent = arriving_descent(slant(columns["d"], columns["sigma"]), self.material.turns_down)
         E = exponential(n, rng, wi.dtype.type)
         _, t = free_path(np.zeros(n, wi.dtype), columns["d"], columns["sigma"], E)
         one = np.ones(n, wi.dtype)
@@ -177,11 +175,6 @@ class Exact(SampledByWalk):
         if down.n:
             ways_on.append(replace(down, **vars(down.descent.downward(slant(down.d, down.sigma)))))
         return [paths for paths in ways_on if paths.n]
-
-
-def mirrors(material: Material) -> bool:
-    """Whether light that heads up never heads down again: a mirror always raises d_z."""
-    return material.name == "conductor"
 
 
 def _open_tail(groups: list[Descents], out: Exits, estimate: Estimate) -> None:

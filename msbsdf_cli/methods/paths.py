@@ -5,18 +5,18 @@ Directions are in the frame of the side they travel in, see `msbsdf_cli.smith.ke
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, TypeVar
 
 import numpy as np
 
 from msbsdf_cli.methods.directions import Exits, squared_index
 from msbsdf_cli.methods.estimate import Estimate
-from msbsdf_cli.smith.kernel import reflection_density, refraction_density
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
 from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array, dot
-from surfaces.materials import Diffuse, Material
+from surfaces.materials import Material
 
 
 @dataclass(kw_only=True)
@@ -89,7 +89,7 @@ def follow(
 def meet(slopes: Slopes, material: Material, paths: Paths, rng: np.random.Generator) -> Array:
     """Normals of the facets that the paths meet, visible to them."""
     m = slopes.visible_normals(-paths.d, paths.n, rng)
-    return m / np.sqrt(dot(m, m)) if isinstance(material, Diffuse) else m
+    return m / np.sqrt(dot(m, m)) if material.lambertian else m
 
 
 def scatter(
@@ -115,30 +115,23 @@ def next_event(
 
     For diffuse facets it is that of the one normal that was met, an unbiased stand-in.
     """
-    if isinstance(material, Diffuse):
+    if material.lambertian:
         assert paths.m is not None
         phase = np.maximum(paths.m.T @ out.w, 0) / np.pi
-        return np.where(out.inside, 0, phase), np.array(material.albedos, phase.dtype)[
-            :, None, None
-        ]
+        albedos = np.array(material.albedos, phase.dtype)
+        return np.where(out.inside, 0, phase), albedos[:, None, None]
     d, w = paths.d[:, :, None], out.w[:, None, :]
     sigma = paths.sigma[:, None]
     if paths.inside is None:
-        density, colour = reflection_density(slopes, material, d, w)
+        density, colour = material.density(slopes, d, w)
         return np.where(out.inside, 0, density / sigma), colour
     phase = np.empty((paths.n, out.n), d.dtype)
-    for here in (False, True):
-        for there in (False, True):
-            lanes = np.flatnonzero(paths.inside == here)
-            ends = np.flatnonzero(out.inside == there)
-            if lanes.size and ends.size:
-                ends_of_lanes = np.ix_(lanes, ends)
-                pair = d[:, lanes], w[:, :, ends]
-                if here == there:
-                    density, _ = reflection_density(slopes, material, *pair, here)
-                else:
-                    density = refraction_density(slopes, material, *pair, here)
-                phase[ends_of_lanes] = density / sigma[lanes]
+    for here, there in product((False, True), repeat=2):
+        lanes = np.flatnonzero(paths.inside == here)
+        ends = np.flatnonzero(out.inside == there)
+        if lanes.size and ends.size:
+            density, _ = material.density(slopes, d[:, lanes], w[:, :, ends], here, here != there)
+            phase[np.ix_(lanes, ends)] = density / sigma[lanes]
     return phase, None
 
 
@@ -164,17 +157,12 @@ def pair_density(
     Light carries energy, whose density per steradian grows with the square of the index.
     """
     if paths.inside is None or inside is None:
-        return reflection_density(slopes, material, paths.d, w)
+        return material.density(slopes, paths.d, w)
     density = np.empty(paths.n, w.dtype)
-    for here in (False, True):
-        for there in (False, True):
-            lanes = np.flatnonzero((paths.inside == here) & (inside == there))
-            pair = paths.d[:, lanes], w[:, lanes]
-            if here == there:
-                part = reflection_density(slopes, material, *pair, here)[0]
-            else:
-                part = refraction_density(slopes, material, *pair, here)
-            density[lanes] = part / squared_index(material, there)
+    for here, there in product((False, True), repeat=2):
+        lanes = np.flatnonzero((paths.inside == here) & (inside == there))
+        part, _ = material.density(slopes, paths.d[:, lanes], w[:, lanes], here, here != there)
+        density[lanes] = part / squared_index(material, there)
     return density, None
 
 
@@ -182,7 +170,7 @@ def reversed_phase(slopes: Slopes, material: Material, before: Paths, after: Pat
     """The phase function (n,) of light that comes back along the paths `after` a facet, for
     where the paths came from `before` it; colour aside, and for diffuse facets that of the
     normal that was met."""
-    if isinstance(material, Diffuse):
+    if material.lambertian:
         assert before.m is not None
         return -dot(before.d, before.m) / np.pi
     density, _ = pair_density(slopes, material, before, after.d, after.inside)

@@ -37,7 +37,7 @@ class PositionFree(Holds):
     def __init__(
         self, slopes: Slopes, material: Material, orders: int, bidirectional: bool = False
     ) -> None:
-        self.refuse(slopes, material)
+        self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
         self.bidirectional = bidirectional
 

@@ -42,7 +42,7 @@ class Method(Protocol):
     traits: Traits
 
     @classmethod
-    def refuse(cls, slopes: Slopes, material: Material) -> None:
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
         """Raise `UnsupportedError` for what the method cannot do, before any work is done."""
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None: ...

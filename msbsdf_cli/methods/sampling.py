@@ -10,7 +10,7 @@ from msbsdf_cli.methods.unseen import one_walk
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
-from surfaces.materials import Diffuse, Material
+from surfaces.materials import Material
 
 MULTIPLE_SHARE = 0.25
 """Share of the density that is spread over all directions for the sake of later bounces. It
@@ -42,7 +42,7 @@ def broadened_pdf(slopes: Slopes, material: Material, wi: Array, wo: Array) -> A
     """A density (n,) for multiple importance sampling: the first bounce's, and a cosine lobe on
     each side that light can leave on, as [HHdD16] Section 9 proposes."""
     cosine = np.abs(wo[2]) / np.pi
-    if isinstance(material, Diffuse):
+    if material.lambertian:
         return np.where(wo[2] > 0, cosine, 0)
     lobe = cosine / 2 if material.transmits else np.where(wo[2] > 0, cosine, 0)
     first = phase_density(slopes, material, wi, wo)

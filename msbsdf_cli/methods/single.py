@@ -6,10 +6,10 @@ from msbsdf_cli.methods.directions import Exits, Holds, exits
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.albedo import first_order_albedo
-from msbsdf_cli.smith.kernel import diffuse_density, masking_shadowing, scatter_density
+from msbsdf_cli.smith.kernel import masking_shadowing, scatter_density
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Diffuse, Material
+from surfaces.materials import Material
 
 
 class Single(Holds):
@@ -24,7 +24,7 @@ class Single(Holds):
     deterministic = True
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.refuse(slopes, material)
+        self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
@@ -79,14 +79,9 @@ def phase_density(slopes: Slopes, material: Material, wi: Array, wo: Array) -> A
     (3,), whatever it absorbs: q / sigma for a mirror or an albedo of 1."""
     d = -wi[:, None]
     density = np.zeros(wo.shape[1], wi.dtype)
-    if isinstance(material, Diffuse):
-        density = diffuse_density(slopes, d, wo)
-        return np.where(wo[2] > 0, density, 0) / slopes.sigma(d)
-    if isinstance(material, Conductor):
-        material = Conductor()
     for side in (False, True) if material.transmits else (False,):
         lanes = np.flatnonzero(wo[2] < 0 if side else wo[2] > 0)
         if lanes.size:
             w = -wo[:, lanes] if side else wo[:, lanes]
-            density[lanes] = scatter_density(slopes, material, d, w, transmitted=side)[0]
+            density[lanes] = material.density(slopes, d, w, transmitted=side)[0]
     return density / slopes.sigma(d)

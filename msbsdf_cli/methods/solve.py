@@ -12,7 +12,7 @@ from msbsdf_cli.methods.solver.interface import TwoHalfSpaces
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Dielectric, Diffuse, Material
+from surfaces.materials import Material
 
 COARSER = (0.75,)
 COARSER_OF_RIPPLES = (0.75, 0.5)
@@ -67,13 +67,27 @@ class Solve(Holds):
         to 3e-7. Towards grazing angles lobes of narrow roughness are narrower than the nodes, and
         directional values there are less accurate: `stderr` shows it.
         """
-        self.refuse(slopes, material)
+        self.check_supported(slopes, material)
         self.slopes, self.material = slopes, material
-        ripples = slopes.alpha_x != slopes.alpha_y or isinstance(material, Dielectric)
+        ripples = slopes.alpha_x != slopes.alpha_y or material.transmits
         coarser = COARSER_OF_RIPPLES if ripples else COARSER
         self.fine, *self.coarse = (
             _solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
         )
+
+    @classmethod
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
+        super().check_supported(slopes, material)
+        if material.transmits and (material.absorbs or not material.specular):
+            raise UnsupportedError(
+                "method solve is for smooth interfaces that absorb nothing: its equations for two "
+                "sides know no other"
+            )
+        if material.turns_down and not (material.transmits or material.lambertian):
+            raise UnsupportedError(
+                f"method solve is not for {material.name} facets: its equations are for mirrors, "
+                "for Lambertian facets and for smooth interfaces"
+            )
 
     @classmethod
     def accurate(
@@ -167,7 +181,6 @@ def _answering_for(missing: Array, error: Array) -> Array:
 def _solution(
     slopes: Slopes, material: Material, orders: int, resolution: float
 ) -> HalfSpace | TwoHalfSpaces:
-    if isinstance(material, Dielectric):
+    if material.transmits:
         return TwoHalfSpaces(slopes, material, orders, resolution)
-    assert isinstance(material, Conductor | Diffuse)
     return HalfSpace(slopes, material, orders, resolution)

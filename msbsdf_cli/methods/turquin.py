@@ -9,7 +9,7 @@ from msbsdf_cli.methods.single import Single, first_order
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Material
+from surfaces.materials import Material
 
 
 class Turquin(Holds):
@@ -32,17 +32,16 @@ class Turquin(Holds):
     deterministic = True
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.refuse(slopes, material)
-        assert isinstance(material, Conductor)
+        self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
         self.single = Single(slopes, material, orders)
         self.E = Albedo(slopes, material, inside=False)
-        self.F0 = material.fresnel(np.ones(1))[:, 0] if material.absorbs else np.ones(1)
+        self.F0 = material.fresnel(np.ones(1))[:, 0]
 
     @classmethod
-    def refuse(cls, slopes: Slopes, material: Material) -> None:
-        super().refuse(slopes, material)
-        if not isinstance(material, Conductor):
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
+        super().check_supported(slopes, material)
+        if material.transmits or not material.specular:
             raise UnsupportedError("method turquin is for conductors: F0 is the colour of a metal")
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:

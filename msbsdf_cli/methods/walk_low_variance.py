@@ -50,7 +50,7 @@ class WalkLowVariance(SampledByWalk):
         self, slopes: Slopes, material: Material, orders: int, both_ends: bool | None = None
     ) -> None:
         """`both_ends`: whether to walk from wo too; None: unless facets are diffuse."""
-        self.refuse(slopes, material)
+        self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
         self.both_ends = not isinstance(material, Diffuse) if both_ends is None else both_ends
 

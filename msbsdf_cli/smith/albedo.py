@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from msbsdf_cli.smith.kernel import masking_shadowing, relative_ior, scatter_density
+from msbsdf_cli.smith.kernel import masking_shadowing
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.visible_slopes import visible_slopes
 from surfaces.facet import Array, dot, fresnel_dielectric
-from surfaces.materials import Dielectric, Diffuse, Material
+from surfaces.materials import Material
 
 DIRECTIONS_BLOCK = 16
 """Directions integrated over at once, with a few thousand slopes for each."""
@@ -29,8 +29,8 @@ def first_order_albedo(
     bounces can return. `inside`: for light that arrives from within, `wi` point-reflected.
     """
     n = wi.shape[1]
-    if isinstance(material, Diffuse):
-        return np.array([_diffuse(slopes, wi[:, [k]]) for k in range(n)])
+    if not material.specular:
+        return np.array([_summed(slopes, material, wi[:, [k]]) for k in range(n)])
     albedo = np.empty(n)
     for start in range(0, n, DIRECTIONS_BLOCK):
         block = slice(start, start + DIRECTIONS_BLOCK)
@@ -43,9 +43,9 @@ def _specular(slopes: Slopes, material: Material, wi: Array, inside: bool) -> Ar
     w_i = np.broadcast_to(wi[:, None, :], m.shape)
     cos_i = dot(w_i, m)
     up = 2 * cos_i * m - w_i
-    if not isinstance(material, Dielectric):
+    if not material.transmits:
         return (weight * _passes(slopes, w_i, up, False)).sum(axis=0)
-    eta = relative_ior(material, inside)
+    eta = material.relative_ior(inside)
     fresnel, cos_t = fresnel_dielectric(cos_i, eta)
     # The refracted direction, point-reflected: it leaves where its z is positive.
     through = w_i / eta - (cos_i / eta - cos_t) * m
@@ -62,7 +62,7 @@ def _passes(slopes: Slopes, wi: Array, w: Array, transmitted: bool) -> Array:
     return passes
 
 
-def _diffuse(slopes: Slopes, wi: Array) -> float:
+def _summed(slopes: Slopes, material: Material, wi: Array) -> float:
     """By a product rule over outgoing directions, finer towards the horizon."""
     x, weight = np.polynomial.legendre.leggauss(DIFFUSE_NODES)
     u = (1 + x) / 2
@@ -70,6 +70,6 @@ def _diffuse(slopes: Slopes, wi: Array) -> float:
     z, phi = (a.ravel() for a in np.meshgrid(u * u, phi, indexing="ij"))
     s = np.sqrt(1 - z * z)
     w = np.stack([s * np.cos(phi), s * np.sin(phi), z])
-    value = scatter_density(slopes, Diffuse(), -wi, w)[0] * masking_shadowing(slopes, wi, w, False)
+    value = material.density(slopes, -wi, w)[0] * masking_shadowing(slopes, wi, w, False)
     solid_angle = np.repeat(weight * u, 2 * DIFFUSE_NODES) * np.pi / DIFFUSE_NODES
     return float((value * solid_angle).sum())

@@ -8,9 +8,9 @@ up to the border: Gauss-Legendre nodes serve both.
 
 import numpy as np
 
-from msbsdf_cli.smith.quadrature import gauss
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
+from surfaces.quadrature import gauss
 
 RADIAL_NODES = 20
 AZIMUTH_NODES = 20

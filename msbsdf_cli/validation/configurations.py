@@ -8,12 +8,13 @@ import numpy as np
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.slopes import NAMES, Slopes, distribution
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Dielectric, Diffuse, Material
+from surfaces.materials import Conductor, Dielectric, Material, material
 
 ROUGHNESS = (0.05, 2.0)
 """Least and largest roughness that is drawn, along either axis."""
 
-IOR = 1.5
+IOR = Dielectric.ior
+"""Of all dielectrics here: the default."""
 
 GRAZING = 1.5
 """Polar angle of the hard directions that graze the surface."""
@@ -43,11 +44,9 @@ class Configuration:
 
     def facets(self) -> Material:
         """The facets: lossless, unless they are of a metal."""
-        if self.material == "diffuse":
-            return Diffuse()
-        if self.material == "dielectric":
-            return Dielectric(IOR)
-        return Conductor(() if self.eta_k is None else (self.eta_k,))
+        if self.eta_k is not None:
+            return Conductor((self.eta_k,))
+        return material(self.material or "conductor")()
 
     @property
     def i(self) -> Array:

@@ -26,7 +26,7 @@ BATCHES = 128
 COPPER = (1.02, 2.577)
 
 DIFFUSE_ERROR = 1e-6
-"""Of the quadrature behind diffuse facets, over the largest value; see `smith.lune`."""
+"""Of the quadrature behind diffuse facets (`_visible_normals`), over the largest value."""
 
 PAIRS = 128
 """Pairs of directions for reciprocity."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.smith.kernel import reflection_density, refraction_density, scatter_density
+from msbsdf_cli.smith.kernel import scatter_density
 from msbsdf_cli.smith.slopes import distribution
 from surfaces.facet import dot
 from surfaces.materials import Conductor, Dielectric, Diffuse
@@ -12,9 +12,8 @@ from surfaces.materials import Conductor, Dielectric, Diffuse
 def dielectric_density(slopes, eta, d, w):
     """q (n,) off and through an interface of index `eta` behind over before; reversed,
     q_t(d -> w) = eta^2 q_t'(-w -> -d), where the dash is for the other side."""
-    interface = Dielectric(eta)
-    reflected, _ = reflection_density(slopes, interface, d, w)
-    return reflected, refraction_density(slopes, interface, d, w)
+    glass = Dielectric(eta)
+    return [glass.density(slopes, d, w, transmitted=through)[0] for through in (False, True)]
 
 
 def directions(n, seed):
@@ -89,7 +88,7 @@ def test_diffuse_facets_added_up_one_by_one(slopes, alpha):
 
 @pytest.mark.parametrize("azimuth", [0.3, 1.0, 2.0, 4.0, 5.5])
 def test_diffuse_density_straight_from_above(azimuth):
-    # The axis of the lune is level there, and its z a zero of either sign.
+    # The normal of both directions is level there, and its z a zero of either sign.
     slopes = distribution("ggx")(1, 1)
     w = np.array([[0.6 * np.cos(azimuth)], [0.6 * np.sin(azimuth)], [0.8]])
     straight = scatter_density(slopes, Diffuse(), np.array([[0.0], [0.0], [-1.0]]), w)

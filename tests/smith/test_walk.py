@@ -8,7 +8,8 @@ from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import NAMES, Beckmann, Ggx, Lambda, distribution
 from msbsdf_cli.smith.walk import flip, free_path, random_walk
 from msbsdf_cli.statistics.tally import Tally
-from surfaces.materials import METALS, Conductor, Dielectric, Diffuse
+from surfaces.materials import Conductor, Dielectric, Diffuse
+from surfaces.metals import METALS
 
 
 def run(slopes, material, theta, n=400_000, orders=4, dtype=np.float64, max_order=10_000, seed=1):

@@ -9,7 +9,8 @@ from surfaces.facet import (
     reflect,
     unit_circle,
 )
-from surfaces.materials import METALS, Conductor, Dielectric, Diffuse
+from surfaces.materials import Conductor, Dielectric, Diffuse
+from surfaces.metals import METALS
 
 
 def unit(v):

@@ -7,12 +7,12 @@ import pytest
 
 from msbsdf_cli.methods import forced, walk
 from msbsdf_cli.methods.energy_compensated import EnergyCompensated
-from msbsdf_cli.smith import kernel
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.statistics.multiple_testing import judge
 from msbsdf_cli.validation import free_paths, height_walk, intersection
 from msbsdf_cli.validation.configurations import Configuration
+from surfaces.materials import _material, dielectric
 
 ABOVE = Configuration("beckmann", (1.0, 1.0), (1.2, 0.0), (1.0, 2.0), heights="gaussian")
 DOWN = Configuration("ggx", (1.0, 0.5), (2.2, 0.3), (0.7, 2.0), heights="uniform")
@@ -130,7 +130,8 @@ def half_vector_below(monkeypatch):
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return np.nan_to_num(slopes.D(h / length))
 
-    monkeypatch.setattr(kernel, "_density_of_normals", density)
+    for module in (_material, dielectric):
+        monkeypatch.setattr(module, "density_of_normals", density)
 
 
 def normals_without_their_cosine(monkeypatch):

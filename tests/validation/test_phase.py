@@ -2,6 +2,7 @@
 
 from msbsdf_cli.smith import kernel
 from msbsdf_cli.validation import phase
+from surfaces.materials import conductor, dielectric
 from validation.fault_injection import (
     GLASS,
     MIRROR,
@@ -13,23 +14,22 @@ from validation.fault_injection import (
 
 
 def no_jacobian_of_reflection(monkeypatch):
-    right = kernel.reflection_density
+    right = conductor.reflection_density
 
     def bent(*args):
-        density, colour = right(*args)
-        return 4 * density, colour
+        density, cos_i = right(*args)
+        return 4 * density, cos_i
 
-    monkeypatch.setattr(kernel, "reflection_density", bent)
+    monkeypatch.setattr(conductor, "reflection_density", bent)
 
 
 def no_index_in_refraction(monkeypatch):
-    right = kernel.refraction_density
+    right = dielectric.refraction_density
 
-    def bent(slopes, material, d, w, inside=False):
-        eta = kernel.relative_ior(material, inside)
-        return right(slopes, material, d, w, inside) / eta**2
+    def bent(slopes, eta, d, w):
+        return right(slopes, eta, d, w) / eta**2
 
-    monkeypatch.setattr(kernel, "refraction_density", bent)
+    monkeypatch.setattr(dielectric, "refraction_density", bent)
 
 
 def unlike_phase(monkeypatch):

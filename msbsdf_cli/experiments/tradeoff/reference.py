@@ -66,7 +66,7 @@ def reference(
 
 
 def _solved(scene: Scene, lobes: list[Lobe]) -> Reference:
-    Solve.refuse(scene.slopes, scene.material)
+    Solve.check_supported(scene.slopes, scene.material)
     started = time.perf_counter()
     for resolution in RESOLUTIONS:
         solve = Solve(scene.slopes, scene.material, scene.orders, resolution)

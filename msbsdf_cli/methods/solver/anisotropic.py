@@ -24,10 +24,10 @@ from msbsdf_cli.methods.solver.nodes import (
 )
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
 from msbsdf_cli.smith.kernel import scatter_density
-from msbsdf_cli.smith.quadrature import gauss
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
-from surfaces.materials import Conductor, Diffuse
+from surfaces.materials import Material
+from surfaces.quadrature import gauss
 
 MIRRORS = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]])
 """Signs of x and y: the four mirrors, and by their products with each other the four parities."""
@@ -101,7 +101,7 @@ class MirrorGrid(QuarterGrid):
     """Facets that reflect: light goes down, then up."""
 
     elevations: Elevations
-    material: Conductor
+    material: Material
 
     def kernel(self) -> Kernel:
         """Scattering between the nodes."""
@@ -192,7 +192,7 @@ class DiffuseGrid(QuarterGrid):
     azimuth multiply. Facets are spaced evenly after the stretch that makes the roughness 1.
     """
 
-    material: Diffuse
+    material: Material
 
     def kernel(self) -> Kernel:
         """Scattering between the nodes."""

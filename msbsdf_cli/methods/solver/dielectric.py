@@ -17,7 +17,7 @@ from msbsdf_cli.methods.solver.heights import Heights
 from msbsdf_cli.methods.solver.nodes import SplitElevations
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Dielectric
+from surfaces.materials import Material
 
 TOGETHER = 64
 """Directions whose free paths are computed at a time: an array of some megabytes."""
@@ -84,7 +84,7 @@ class TwoSides:
     """The discretised interface: kernels of both sides, free paths of both hemispheres."""
 
     slopes: Slopes
-    material: Dielectric
+    material: Material
     directions: Spread
     heights: Heights
     facets: Facets

@@ -15,9 +15,9 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import brentq
 
-from msbsdf_cli.smith.quadrature import gauss
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, fresnel_dielectric
+from surfaces.quadrature import gauss
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from msbsdf_cli.methods.solver.nodes import Elevations
 from msbsdf_cli.methods.solver.orders import Kernel, Rows, Table, energy, tabulate
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Diffuse
+from surfaces.materials import Material
 
 ENDS = 128
 """Outgoing directions followed together."""
@@ -39,7 +39,7 @@ class HalfSpace:
     """All orders of a conductor or of diffuse facets, at one resolution."""
 
     slopes: Slopes
-    material: Conductor | Diffuse
+    material: Material
     orders: int
     resolution: float
 
@@ -86,19 +86,19 @@ class HalfSpace:
         rough surfaces all is decided near grazing angles. A grid of directions has to afford
         less in azimuth than Fourier modes do."""
         alpha, wide = sorted((self.slopes.alpha_x, self.slopes.alpha_y))
-        diffuse = isinstance(self.material, Diffuse)
+        diffuse = self.material.lambertian
         if alpha == wide:
             elevations = Elevations(
                 round(self.resolution * (20 + 2.4 / alpha + 10 * np.sqrt(alpha)))
             )
             modes = round(self.resolution * (64 if diffuse else 40 + 40 / alpha))
             modes = 1 if energy_only else modes
-            if isinstance(self.material, Diffuse):
+            if diffuse:
                 return DiffuseModes(self.slopes, self.material, elevations, modes)
             return MirrorModes(self.slopes, self.material, elevations, modes)
         elevations = Elevations(round(self.resolution * (14 + 1.2 / alpha + 6 * np.sqrt(wide))))
         lobes = 4 + 1.4 * wide / alpha if energy_only or diffuse else 8 + wide / alpha + 1 / alpha
         quarter, blocks = round(self.resolution * lobes), 1 if energy_only else 4
-        if isinstance(self.material, Diffuse):
+        if diffuse:
             return DiffuseGrid(self.slopes, elevations, quarter, blocks, self.material)
         return MirrorGrid(self.slopes, elevations, quarter, blocks, self.material)

@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from msbsdf_cli.methods.solver.nodes import interpolation
-from msbsdf_cli.smith.quadrature import gauss
 from surfaces.facet import Array
+from surfaces.quadrature import gauss
 
 CROWDING = 3
 """C1 = y^3 / (y^3 + (1 - y)^3) with y a Gauss node: grazing light sees only the very top, on

@@ -14,7 +14,7 @@ from msbsdf_cli.methods.solver.second import SecondOrder
 from msbsdf_cli.methods.solver.spread import SpreadGrid, SpreadModes
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Dielectric
+from surfaces.materials import Material
 
 PANEL = 24
 """Facets between two neighbouring edges, along either axis, for energies to 1e-6."""
@@ -25,7 +25,7 @@ class TwoHalfSpaces:
     """All orders of a dielectric interface, at one resolution."""
 
     slopes: Slopes
-    material: Dielectric
+    material: Material
     orders: int
     resolution: float
 

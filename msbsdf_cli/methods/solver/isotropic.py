@@ -14,10 +14,10 @@ from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate
 from msbsdf_cli.methods.solver.orders import Kernel, Rows
 from msbsdf_cli.smith.kernel import scatter_density
-from msbsdf_cli.smith.quadrature import gauss
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Diffuse
+from surfaces.materials import Material
+from surfaces.quadrature import gauss
 
 CHUNK = 1 << 16
 """Kernel values computed together: arrays that stay in a core's cache."""
@@ -52,7 +52,7 @@ class MirrorModes:
     """Facets that reflect: light goes down, then up."""
 
     slopes: Slopes
-    material: Conductor
+    material: Material
     elevations: Elevations
     modes: int
 
@@ -120,7 +120,7 @@ class DiffuseModes:
     """
 
     slopes: Slopes
-    material: Diffuse
+    material: Material
     elevations: Elevations
     modes: int
 

@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.smith.quadrature import gauss
 from surfaces.facet import Array
+from surfaces.quadrature import gauss
 
 CROWDING = 2
 """Elevations are psi = pi/2 x^2 with x a Gauss-Legendre node: what scatters between grazing

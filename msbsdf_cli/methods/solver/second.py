@@ -17,10 +17,9 @@ import numpy as np
 from msbsdf_cli.methods.solver.facets import Facets
 from msbsdf_cli.methods.solver.heights import Heights
 from msbsdf_cli.methods.solver.nodes import SplitElevations, coordinate
-from msbsdf_cli.smith.kernel import reflection_density, refraction_density
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Dielectric
+from surfaces.materials import Dielectric, Material
 
 EDGE = 4
 """Power by which a share vanishes at an edge: products with it have continuous derivatives up to
@@ -64,11 +63,8 @@ class _Facet:
         """q (lanes,) in closed form, and the merit of choosing by it: it has edges where facets
         point to the horizon, and no limit where light is hardly deflected, and at either the
         half vector of length |w - d| or |d + eta w| does not rise."""
-        interface = Dielectric(self.eta)
-        if self.event == 1:
-            q, rise = refraction_density(self.slopes, interface, d, w), d[2] + self.eta * w[2]
-        else:
-            q, rise = reflection_density(self.slopes, interface, d, w)[0], w[2] - d[2]
+        q, _ = Dielectric(self.eta).density(self.slopes, d, w, transmitted=self.event == 1)
+        rise = d[2] + self.eta * w[2] if self.event == 1 else w[2] - d[2]
         return q, q / np.maximum(np.abs(rise), np.finfo(float).tiny ** (0.5 / EDGE)) ** EDGE
 
 
@@ -77,7 +73,7 @@ class SecondOrder:
     """Two facets, and the way from the first to the second."""
 
     slopes: Slopes
-    material: Dielectric
+    material: Material
     elevations: SplitElevations
     heights: Heights
     facets: Facets

@@ -1,10 +1,10 @@
-"""Diffuse facets: the integral over those that see both directions, by quadrature over a lune."""
+"""Quadrature over the normals that see both of two directions, for diffuse facets."""
 
 import numpy as np
 
-from msbsdf_cli.smith.quadrature import gauss
-from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
+from surfaces.materials._material import Slopes
+from surfaces.quadrature import gauss
 
 ACROSS = 40
 ALONG = 28

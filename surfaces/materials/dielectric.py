@@ -1,0 +1,81 @@
+"""Smooth interfaces of two transparent media."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surfaces.facet import Array, dot, fresnel_dielectric
+from surfaces.materials._material import (
+    Material,
+    Scattered,
+    Slopes,
+    density_of_normals,
+    reflection_density,
+)
+
+
+@dataclass(frozen=True)
+class Dielectric(Material):
+    """A smooth interface that reflects or refracts, chosen by the Fresnel reflectance.
+
+    `ior` is the index inside over the index outside, above 0 and finite. Raises ValueError for any
+    other.
+    """
+
+    ior: float = 1.5
+    name = "dielectric"
+    transmits = True
+
+    def __post_init__(self) -> None:
+        if not 0 < self.ior < np.inf:
+            raise ValueError(f"ior is {self.ior}: an index ratio is a finite number above 0.")
+
+    @property
+    def bend(self) -> float:
+        """Refraction from index 1 to n > 1, or back, turns light by 1 - 1 / n of a small angle."""
+        return 1 - min(self.ior, 1 / self.ior)
+
+    def fresnel(self, cos_i: Array) -> Array:
+        return fresnel_dielectric(cos_i, self.ior)[0][None]
+
+    def scatter(
+        self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
+    ) -> Scattered:
+        m = m * (1 / np.sqrt(dot(m, m)))
+        n = m.shape[1]
+        dtype = m.dtype.type
+        eta, inverse = dtype(self.ior), dtype(1 / self.ior)
+        if inside is not None and inside.any():
+            eta, inverse = np.where(inside, inverse, eta), np.where(inside, eta, inverse)
+        cos_i = np.abs(dot(d, m))
+        fresnel, cos_t = fresnel_dielectric(cos_i, eta)
+        transmitted = rng.random(n, dtype=dtype) >= fresnel
+        # Both leave in the plane of d and m: d + 2 cos_i m, or d / eta + (cos_i / eta - cos_t) m.
+        scale = np.where(transmitted, inverse, dtype(1))
+        along_m = np.where(transmitted, cos_i * inverse - cos_t, 2 * cos_i)
+        return Scattered(scale * d + along_m * m, transmitted=transmitted)
+
+    def density(
+        self, slopes: Slopes, d: Array, w: Array, inside: bool = False, transmitted: bool = False
+    ) -> tuple[Array, Array | None]:
+        eta = self.relative_ior(inside)
+        if transmitted:
+            return refraction_density(slopes, eta, d, w), None
+        density, cos_i = reflection_density(slopes, d, w)
+        return density * fresnel_dielectric(cos_i, eta)[0], None
+
+
+def refraction_density(slopes: Slopes, eta: float, d: Array, w: Array) -> Array:
+    """q of facets that refract, (...): `d` on the side of arrival, `w` point-reflected beyond.
+
+    In that frame the normal of [HHdD16] Eq. 35, -(i + eta o), is d + eta w, or its opposite
+    where the medium beyond is the thinner; its length is |eta_i (i . h) + eta_o (o . h)|.
+    """
+    h = (eta * w + d) * (1 if eta > 1 else -1)
+    length = np.sqrt(dot(h, h))
+    m = h / np.maximum(length, np.finfo(h.dtype).tiny)
+    cos_i, cos_t = -dot(d, m), dot(w, m)
+    faces = (cos_i > 0) & (cos_t > 0)
+    fresnel = fresnel_dielectric(np.clip(cos_i, 0, 1), eta)[0]
+    jacobian = eta * eta * cos_i * cos_t / (length * length)
+    return np.where(faces, (1 - fresnel) * jacobian * density_of_normals(slopes, h, length), 0)

@@ -1,0 +1,67 @@
+"""Diffuse facets."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surfaces.facet import Array, dot, lambertian
+from surfaces.materials._material import Material, Scattered, Slopes
+from surfaces.materials._visible_normals import lambertian_density
+
+QUADRATURE_BLOCK = 64
+"""Directions integrated over at once: a few thousand slopes for each of them."""
+
+
+@dataclass(frozen=True)
+class Diffuse(Material):
+    """A Lambertian facet, of one albedo per channel; a number stands for one channel.
+
+    Raises ValueError for an albedo that is not from 0 to 1.
+    """
+
+    albedo: tuple[float, ...] | float = (1.0,)
+    name = "diffuse"
+    specular = False
+    lambertian = True
+
+    def __post_init__(self) -> None:
+        if isinstance(self.albedo, int | float):
+            object.__setattr__(self, "albedo", (float(self.albedo),))
+        if not self.albedos or not all(0 <= a <= 1 for a in self.albedos):
+            raise ValueError(f"{self.albedo} is not an albedo: numbers from 0 to 1 are wanted.")
+
+    @property
+    def albedos(self) -> tuple[float, ...]:
+        """The albedo of each channel."""
+        assert isinstance(self.albedo, tuple)
+        return self.albedo
+
+    @property
+    def absorbs(self) -> bool:
+        return min(self.albedos) < 1
+
+    @property
+    def channels(self) -> int:
+        return len(self.albedos)
+
+    def scatter(
+        self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
+    ) -> Scattered:
+        n = m.shape[1]
+        out = lambertian(m * (1 / np.sqrt(dot(m, m))), n, rng)
+        if not self.absorbs:
+            return Scattered(out)
+        return Scattered(out, gain=np.array(self.albedos)[:, None])
+
+    def density(
+        self, slopes: Slopes, d: Array, w: Array, inside: bool = False, transmitted: bool = False
+    ) -> tuple[Array, Array | None]:
+        """By quadrature over the slopes that face both ways, without noise ([HHdD16] Eq. 17), for
+        directions (3, n) or (3, 1)."""
+        n = max(d.shape[1], w.shape[1])
+        d, w = np.broadcast_to(d, (3, n)), np.broadcast_to(w, (3, n))
+        density = np.empty(n, w.dtype)
+        for start in range(0, n, QUADRATURE_BLOCK):
+            block = slice(start, start + QUADRATURE_BLOCK)
+            density[block] = lambertian_density(slopes, d[:, block], w[:, block])
+        return density, np.array(self.albedos, density.dtype)[:, None]
