@@ -1,13 +1,14 @@
 """A scene: a rough surface and the light that comes in."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.smith.slopes import Slopes, parameters
+from msbsdf_cli.smith.slopes import Slopes, distribution, parameters
 from surfaces.facet import Array
-from surfaces.materials import Material
+from surfaces.materials import Material, material
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,23 @@ class Scene:
         """The same scene, smoother or rougher."""
         return replace(self, slopes=replace(self.slopes, alpha_x=alpha[0], alpha_y=alpha[1]))
 
+    def settings(self) -> dict[str, Any]:
+        """All of it, in words and numbers that JSON can hold."""
+        parts = {"material": _settings(self.material), "slopes": _settings(self.slopes)}
+        return parts | {"theta": self.theta, "phi": self.phi, "orders": self.orders}
+
+    @classmethod
+    def of(cls, settings: dict[str, Any]) -> "Scene":
+        """The scene of `settings`. Raises ValueError, KeyError or TypeError for what is none."""
+        slopes, facets = (dict(settings[name]) for name in ("slopes", "material"))
+        return cls(
+            material(facets.pop("name"))(**{k: _tuples(v) for k, v in facets.items()}),
+            distribution(slopes.pop("name"))(**slopes),
+            _tuples(settings["theta"]),
+            settings["phi"],
+            settings["orders"],
+        )
+
     def wi(self, theta: float, dtype: type = np.float64) -> Array:
         """The incident direction (3,) of polar angle `theta`."""
         return direction(theta, self.phi).astype(dtype)
@@ -42,6 +60,14 @@ class Scene:
         alpha = dict.fromkeys(self.alpha)
         words = [self.material.name, name, *(f"{x:g}" for x in (*shape, *alpha))]
         return "-".join(words)
+
+
+def _settings(part: Any) -> dict[str, Any]:
+    return {"name": part.name} | {f.name: getattr(part, f.name) for f in fields(part)}
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 def direction(theta: float, phi: float = 0.0) -> Array:

@@ -1,16 +1,15 @@
 """What the commands share: the scene from the options, warnings, and where reports go."""
 
-from pathlib import Path
 from typing import Any
 
 import click
 
-from msbsdf_cli.results.directory import refuse_existing
-from msbsdf_cli.results.run import FreePaths
+from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import distribution, parameters
-from surfaces.materials import NAMES, Material, material
+from surfaces.materials import NAMES as MATERIALS
+from surfaces.materials import Material, material
 
 WALKS_PER_S = 5e6
 RAYS_PER_S = 1e6
@@ -21,10 +20,7 @@ LONG_S = 600
 
 
 def scene_from(options: dict[str, Any]) -> Scene:
-    """The scene that options describe.
-
-    Raises click.BadParameter for options that describe no material.
-    """
+    """The scene that options describe. Raises click.UsageError for what is none."""
     name = options["slopes"]
     shape = {parameter: options[parameter] for parameter in parameters(name)}
     return Scene(
@@ -37,18 +33,14 @@ def scene_from(options: dict[str, Any]) -> Scene:
 
 
 def material_from(options: dict[str, Any]) -> Material:
-    """The facets' material; raises as `scene_from` does."""
-    cls = material(options["material"])
+    """The facets' material; raises click.UsageError for options that describe none."""
+    kind = material(options["material"])
     try:
-        return cls.from_options(options)
-    except ValueError as refusal:
-        names = " / ".join(f"--{name.replace('_', '-')}" for name in cls.option_names())
-        raise click.BadParameter(str(refusal), param_hint=names) from None
-
-
-def material_options() -> dict[str, str]:
-    """The material that each option of a single one is for."""
-    return {option: name for name in NAMES for option in material(name).option_names()}
+        found: Material = kind.of(**{name: options.get(name) for name in kind.options})
+    except ValueError as error:
+        names = ", ".join(f"--{name.replace('_', '-')}" for name in kind.options)
+        raise click.UsageError(f"{names}: {error}") from None
+    return found
 
 
 def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
@@ -72,13 +64,13 @@ def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
     about how many seconds one core will need."""
     warnings = []
     given = click.get_current_context().get_parameter_source
-    for name, facets in material_options().items():
-        explicit = given(name) is click.core.ParameterSource.COMMANDLINE
-        if explicit and options["material"] != facets:
-            warnings.append(
-                f"--{name.replace('_', '-')} has no effect: it is for --material {facets}, "
-                f"and this is {options['material']}."
-            )
+    for other in (other for other in MATERIALS if other != options["material"]):
+        for name in material(other).options:
+            if given(name) is click.core.ParameterSource.COMMANDLINE:
+                warnings.append(
+                    f"--{name.replace('_', '-')} has no effect: it is for --material {other}, "
+                    f"and this is {options['material']}."
+                )
     roughest = max(options["alpha"])
     if roughest > 5:
         warnings.append(
@@ -109,19 +101,6 @@ def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]
             if wanted:
                 raise click.BadParameter(f"{refusal}.", param_hint="--method") from None
     return tuple(holding)
-
-
-def announce(warnings: list[str]) -> None:
-    """Say the warnings on standard error."""
-    for sentence in warnings:
-        click.echo(f"Warning: {sentence}", err=True)
-
-
-def out_directory(command: str, slug: str, options: dict[str, Any]) -> Path:
-    """Where the report goes. Raises click.BadParameter for a place that is taken."""
-    out = Path(options["out"] or f"reports/{command}-{slug}")
-    refuse_existing(out, options["force"])
-    return out
 
 
 def duration(seconds: float) -> str:

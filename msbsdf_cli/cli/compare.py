@@ -1,12 +1,20 @@
 """`msbsdf compare`"""
 
-import math
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import click
 
-from msbsdf_cli.cli.options import FREE_PATH, MODEL_OF_SURFACES, REPORT, RESOLUTION, samples, use
+from msbsdf_cli.cli.options import (
+    FREE_PATH,
+    MODEL_OF_SURFACES,
+    REPORT,
+    RESOLUTION,
+    VARIANTS,
+    samples,
+    use,
+)
 
 
 @click.command("compare")
@@ -21,137 +29,243 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     same scene. Writes agreement.csv and pictures, and the reports that it made as directories.
     With --method, the lobes of other methods are held against the surfaces instead of the walk.
     """
-    from msbsdf_cli.cli import common, simulate, walk
-    from msbsdf_cli.experiments.agreement import in_order
-    from msbsdf_cli.results.directory import new_report
-    from msbsdf_cli.results.manifest import show_json
+    from msbsdf_cli.cli import common
+    from msbsdf_cli.cli.report import Report
 
     if len(runs) > 2:
         raise click.UsageError(f"{len(runs)} reports are given; two are compared.")
     handed = take_runs(runs, options)
     options["heights"] = "gaussian"
-    scene = common.scene_from(options)
-    common.free_paths_from(options, "gaussian")
-    out = common.out_directory("compare", scene.slug(), options)
-    simulate.refuse_mesh(options)
-    warnings, work_s = [], 0.0
-    if "simulate" not in handed:
-        simulate.resolve(scene, options)
-        warnings += simulate.surface_warnings(options)
-        work_s += simulate.work_s(options)
-    if options["method"] is not None:
-        if "walk" in handed:
-            raise click.UsageError(
-                f"--method replaces the walk; leave out {handed['walk']}, or leave out --method."
-            )
-        options["method"] = common.methods_for(scene, options["method"])
-    elif "walk" not in handed:
-        work_s += walk.work_s(options)
-    warnings += common.scene_warnings(options, work_s)
-    common.announce(warnings)
-    if len(handed) == 2:
-        in_order(*handed.values())
-    with new_report(out) as draft:
-        if "simulate" not in handed:
-            (draft / "simulate").mkdir()
-            simulate.run(draft / "simulate", scene, options, [])
-        simulated = handed.get("simulate", draft / "simulate")
-        modelled = models(draft, scene, options, handed)
-        rows, record = write_comparison(draft, simulated, modelled, options, warnings)
-    if options["as_json"]:
-        show_json(record | {"report": str(out)})
-    elif not options["quiet"]:
-        show(rows)
-        click.echo(f"\n{record['summary']}\nReport: {out}")
+    scene = next((run.scene for run in handed.values()), None) or common.scene_from(options)
+    free_paths = common.free_paths_from(options, "gaussian")
+    check_pair(handed, runs)
+    report = Report("compare", scene.slug(), options)
+    resolution = prepare(scene, options, handed, report)
+    with report.draft() as draft:
+        work = scene, resolution, free_paths, options
+        simulated = handed.get("simulate") or simulated_run(draft, *work)
+        models = modelled(draft, scene, free_paths, options, handed)
+        rows = write(report, draft, simulated, models)
+
+    def show() -> None:
+        show_rows(rows)
+        click.echo(f"\n{report.record['summary']}")
+
+    report.end(show)
 
 
-def models(
-    draft: Path, scene: Any, options: dict[str, Any], handed: dict[str, Path]
-) -> dict[str, Path]:
-    """Reports of the methods wanted, or of the walk, made where they are not handed over."""
-    from msbsdf_cli.cli import walk
-    from msbsdf_cli.experiments.method_lobes import write_method_lobes
-
-    if options["method"] is not None:
-        return write_method_lobes(draft, scene, options["method"], options)
-    if "walk" not in handed:
-        (draft / "walk").mkdir()
-        walk.run(draft / "walk", scene, options, [])
-    return {"walk": handed.get("walk", draft / "walk")}
-
-
-def take_runs(runs: tuple[str, ...], options: dict[str, Any]) -> dict[str, Path]:
-    """The reports handed over, by command, with their scene put into `options`.
+def take_runs(names: tuple[str, ...], options: dict[str, Any]) -> dict[str, Any]:
+    """The runs handed over, by kind, with their scene put into `options`.
 
     Raises click.UsageError where a scene is given beside them, and click.ClickException for what
-    is not a report.
+    is no report of a run.
     """
-    from msbsdf_cli.cli import common
-    from msbsdf_cli.experiments.agreement import SAME
-    from msbsdf_cli.results.directory import read_run
+    from msbsdf_cli.cli.runs import read_run
 
-    handed: dict[str, Path] = {}
-    for name in runs:
-        run = read_run(Path(name))
-        if run["command"] in handed:
+    handed: dict[str, Any] = {}
+    for name in names:
+        record, run = read_run(Path(name))
+        if run.kind in handed:
             raise click.ClickException(
-                f"both reports are of `{run['command']}`; one of `simulate` and one of `walk` "
+                f"both reports are of `{run.kind}`; one of `simulate` and one of `walk` "
                 "are compared."
             )
-        handed[run["command"]] = Path(name)
-        scene = (*SAME, "slopes", *common.material_options(), *FREE_PATH)
+        handed[run.kind] = run
         source = click.get_current_context().get_parameter_source
-        for option in (o.replace("-", "_") for o in scene):
+        for option in SCENE:
             if source(option) is click.core.ParameterSource.COMMANDLINE:
                 raise click.UsageError(
                     f"--{option.replace('_', '-')} beside a report: the scene is that of {name}."
                 )
-            value = run["options"].get(option)
-            if isinstance(value, list):
-                value = tuple(math.inf if x == "inf" else x for x in value)
-            options[option] = value
+            options[option] = record["options"].get(option)
+        options |= {"theta": run.scene.theta, "alpha": run.scene.alpha}
+        options |= {"free_path_theta": run.free_paths.theta}
+        options |= {"free_path_height": run.free_paths.starts}
     return handed
 
 
-def write_comparison(
-    draft: Path,
-    simulated: Path,
-    modelled: dict[str, Path],
-    options: dict[str, Any],
-    warnings: list[str],
-) -> tuple[list[Any], dict[str, Any]]:
-    """Compare reports and write the result into `draft`; its rows and run.json's content."""
-    from msbsdf_cli.experiments.agreement import agreement, as_table, in_one_sentence
-    from msbsdf_cli.plots.agreement import draw_agreement
-    from msbsdf_cli.plots.free_path import draw_free_paths
-    from msbsdf_cli.plots.lobes import draw_lobe_comparison, draw_methods
-    from msbsdf_cli.results.directory import read_run
-    from msbsdf_cli.results.manifest import write_report
+SCENE = tuple(
+    VARIANTS.get(name, name).replace("-", "_")
+    for name in (*MODEL_OF_SURFACES, "orders", *FREE_PATH)
+)
+"""Options that a report decides."""
 
-    rows, sentences = [], []
-    for name, path in modelled.items():
-        mine = agreement(simulated, path, name)
-        target = path if options["method"] else draft
-        draw_agreement(mine, target / "agreement.png")
-        draw_lobe_comparison(simulated, path, target)
-        if (path / "free_path.csv").exists():
-            draw_free_paths(simulated, path, draft)
+
+def check_pair(handed: dict[str, Any], names: tuple[str, ...]) -> None:
+    """Refuse runs of different scenes, or of what no surface is.
+
+    Raises click.ClickException.
+    """
+    if len(handed) == 2:
+        a, b = (in_words(run.scene) for run in handed.values())
+        for key in (key for key in a if a[key] != b.get(key)):
+            raise click.ClickException(
+                f"the reports are of different scenes: {key} is {a[key]} in {names[0]} "
+                f"and {b.get(key)} in {names[1]}."
+            )
+    for name, run in zip(names, handed.values(), strict=True):
+        if run.heights != "gaussian":
+            raise click.ClickException(
+                f"the heights of {name} are {run.heights}, those of a surface gaussian; "
+                "make it again without --heights."
+            )
+        if run.scene.slopes.name != "beckmann":
+            raise click.ClickException(
+                f"the slopes of {name} are {run.scene.slopes.name}, those of a surface beckmann."
+            )
+
+
+def in_words(scene: Any) -> dict[str, Any]:
+    """The settings of a scene, those of its material and slopes by name."""
+    settings = scene.settings()
+    parts = {name: settings.pop(name) for name in ("material", "slopes")}
+    for part, values in parts.items():
+        name = {part: values.pop("name")}
+        settings = name | {f"{part} {key}": value for key, value in values.items()} | settings
+    return settings
+
+
+def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report: Any) -> Any:
+    """The resolution of what is to be simulated, warnings of what takes long, and refusals."""
+    from msbsdf_cli.cli import common, simulate, walk
+
+    simulate.refuse_mesh(options)
+    warnings, work_s, resolution = [], 0.0, None
+    if "simulate" not in handed:
+        resolution = simulate.resolve(scene, options)
+        warnings += simulate.surface_warnings(options)
+        work_s += simulate.work_s(options)
+    if options["method"] is None:
+        work_s += 0 if "walk" in handed else walk.work_s(options)
+    elif "walk" in handed:
+        raise click.UsageError("--method replaces the walk; leave out its report, or --method.")
+    else:
+        options["method"] = common.methods_for(scene, options["method"])
+    report.warn(warnings + common.scene_warnings(options, work_s))
+    return resolution
+
+
+def simulated_run(
+    draft: Path, scene: Any, resolution: Any, free_paths: Any, options: dict[str, Any]
+) -> Any:
+    """Simulate; the report goes into `draft`."""
+    from msbsdf_cli.cli import simulate
+
+    run = simulate.run(scene, resolution, free_paths, options)
+    write_part(draft, run, options)
+    simulate.draw(draft / "simulate", scene, resolution, options)
+    return run
+
+
+def modelled(
+    draft: Path, scene: Any, free_paths: Any, options: dict[str, Any], handed: dict[str, Any]
+) -> list[Any]:
+    """Light of the walk, or of the methods wanted; the report of a walk made goes into `draft`."""
+    from msbsdf_cli.cli import walk
+
+    if options["method"] is not None:
+        from msbsdf_cli.experiments.method_lobes import method_lobes
+
+        names = ("samples", "seed", "threads", "precision", "quiet")
+        return method_lobes(scene, options["method"], *(options[name] for name in names))
+    if "walk" in handed:
+        return [handed["walk"].lobes()]
+    return [write_part(draft, walk.run(scene, free_paths, options), options)]
+
+
+def write_part(draft: Path, run: Any, options: dict[str, Any]) -> Any:
+    """The report of a run within this one; the light that left."""
+    from msbsdf_cli.cli.report import Part
+    from msbsdf_cli.cli.runs import write_run
+
+    place = draft / run.kind
+    place.mkdir()
+    return write_run(Part(run.kind, options), place, run)
+
+
+def write(report: Any, draft: Path, run: Any, models: list[Any]) -> list[Any]:
+    """Compare, and write the report into `draft`; the rows of agreement.csv."""
+    from msbsdf_cli.cli.runs import summary
+    from msbsdf_cli.experiments.compare import Row, agreement
+    from msbsdf_cli.plots.free_path import draw_free_paths
+    from msbsdf_cli.plots.lobes import draw_methods
+    from msbsdf_cli.results.directory import columns
+
+    simulated, rows, sentences = run.lobes(), [], []
+    for model in models:
+        mine = agreement(simulated, model)
         rows += mine
         sentences.append(in_one_sentence(mine))
-    if options["method"]:
-        draw_methods(simulated, modelled, draft)
-    record = read_run(simulated)
-    record |= {
-        "command": "compare",
-        "options": options,
-        "warnings": warnings + record["warnings"],
-        "summary": "\n".join(sentences),
-    }
-    write_report(draft, record, {"agreement.csv": as_table(rows)})
-    return rows, record
+        place = draft if report.options["method"] is None else draft / model.label
+        draw_pair(place, mine, simulated, model)
+        if model.free_paths is not None:
+            draw_free_paths(draft / "free_path.png", simulated.free_paths, model.free_paths)
+    if report.options["method"] is not None:
+        write_methods(draft, models, report.options)
+        draw_methods(simulated, models, draft)
+    table = columns(rows, (f.name for f in fields(Row)))
+    figures = run.paths, run.bounces_mean, run.wall_s
+    more = {"energies": summary(run), **run.notes, "summary": "\n".join(sentences)}
+    report.write(draft, {"agreement.csv": table}, *figures, more)
+    return rows
 
 
-def show(rows: list[Any]) -> None:
+def draw_pair(place: Path, rows: list[Any], simulated: Any, model: Any) -> None:
+    """Pictures of simulated light and a model's."""
+    from msbsdf_cli.plots.agreement import draw_agreement
+    from msbsdf_cli.plots.lobes import draw_lobe_comparison
+
+    place.mkdir(exist_ok=True)
+    draw_agreement(rows, place / "agreement.png")
+    draw_lobe_comparison(simulated, model, place)
+
+
+def write_methods(draft: Path, models: list[Any], options: dict[str, Any]) -> None:
+    """A directory for each method: its energies and lobes in the bins of the simulation."""
+    from msbsdf_cli.results.directory import write_csv, write_json
+    from msbsdf_cli.results.seal import RUN
+    from msbsdf_cli.results.tables import energy, lobe
+
+    for model in models:
+        place = draft / model.label
+        write_csv(place / "energy.csv", energy(model))
+        write_csv(place / "lobe.csv", lobe(model))
+        what = {"command": "evaluate", "options": options | {"method": [model.label]}}
+        write_json(place / RUN, what)
+
+
+def in_one_sentence(rows: list[Any]) -> str:
+    """What a reader would want to know first."""
+    energies = [r for r in rows if r.quantity == "energy" and r.order != "all"]
+    lobes = [r for r in rows if r.quantity == "total_variation" and r.order == "all"]
+    escapes = [r for r in rows if r.quantity == "free_path_escape"]
+    energy, lobe = max(energies, key=_own), max(lobes, key=_own)
+    text = (
+        f"Beyond noise, {energy.method} misses the energy of a single order by at most "
+        f"{_size(energy)} (order {energy.order}, {energy.side}, theta {energy.theta_i_rad:.3g}: "
+        f"{energy.modelled:.4f} modelled, {energy.simulated:.4f} simulated), "
+        f"sends at most {_size(lobe)} of the light elsewhere (theta {lobe.theta_i_rad:.3g})"
+    )
+    if escapes:
+        escape = max(escapes, key=_own)
+        text += (
+            f", and misses the fraction of free paths that escape by up to {_size(escape)} "
+            f"({escape.order}, theta_r {escape.theta_i_rad:.3g})"
+        )
+    return text + "."
+
+
+def _own(row: Any) -> float:
+    return abs(float(row.own))
+
+
+def _size(row: Any) -> str:
+    from msbsdf_cli.cli.terminal import measured
+
+    return measured(_own(row), row.own_stderr)
+
+
+def show_rows(rows: list[Any]) -> None:
     """Print what differs: how much, how much of it noise explains, how much is the model's own.
 
     Lobes order by order, and free paths that all escape or none, are left to agreement.csv.
@@ -179,7 +293,7 @@ def show(rows: list[Any]) -> None:
             (
                 r.method,
                 r.quantity,
-                f"{r.theta:.4g}",
+                f"{r.theta_i_rad:.4g}",
                 r.order,
                 r.side,
                 measured(r.simulated, r.simulated_stderr),

@@ -18,48 +18,50 @@ def command(**options: Any) -> None:
     and a picture. Without --method: all methods that hold for the material.
     """
     from msbsdf_cli.cli import common
+    from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.evaluate import evaluate
     from msbsdf_cli.experiments.slices import slice_directions, slice_table
-    from msbsdf_cli.methods.position_free import PositionFree
-    from msbsdf_cli.methods.registry import METHODS
     from msbsdf_cli.plots.slices import draw_slices
-    from msbsdf_cli.results import manifest
-    from msbsdf_cli.results.directory import new_report
 
     scene = common.scene_from(options)
-    options["method"] = common.methods_for(scene, options["method"])
-    out = common.out_directory("evaluate", scene.slug(), options)
-    walks = options["samples"] * len(options["theta"]) * len(options["method"])
-    warnings = common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S)
-    both_ends = options["bidirectional"]
-    if both_ends and not any(issubclass(METHODS[name], PositionFree) for name in options["method"]):
-        warnings.append("--bidirectional has no effect: it is for the position-free methods.")
-    common.announce(warnings)
-    started, elapsed = manifest.now(), manifest.stopwatch()
+    options["method"] = methods = common.methods_for(scene, options["method"])
+    report = Report("evaluate", scene.slug(), options)
+    walks = options["samples"] * len(options["theta"]) * len(methods)
+    report.warn(common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S))
+    report.warn(without_effect(options))
     directions = slice_directions(scene, options["phi_o"], options["points"])
-    arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
-    with new_report(out) as draft:
-        work = scene, options["method"], directions.wo, options["samples"]
+    with report.draft() as draft:
+        work = scene, methods, directions.wo, options["samples"]
+        both_ends = options["bidirectional"]
+        arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
         values = evaluate(*work, *arithmetic, bidirectional=both_ends)
-        missed = hardly_known(values)
-        common.announce(missed)
-        warnings += missed
-        record = manifest.methods_record("evaluate", options, started, elapsed(), walks, warnings)
-        record["methods"] = [
-            {
-                "method": v.method,
-                "theta_i_rad": v.theta,
-                "unresolved": v.unresolved,
-                "seconds": v.seconds,
-            }
-            for v in values
-        ]
-        manifest.write_report(draft, record, {"slice.csv": slice_table(scene, directions, values)})
-        draw_slices(draft)
-    if options["as_json"]:
-        manifest.show_json(record | {"report": str(out)})
-    elif not options["quiet"]:
-        show(values, out)
+        report.warn(hardly_known(values))
+        table = slice_table(scene, directions, values)
+        more = {"methods": [how_it_went(v) for v in values]}
+        report.write(draft, {"slice.csv": table}, walks, more=more)
+        draw_slices(table, draft / "slice.png")
+    report.end(lambda: show(values))
+
+
+def without_effect(options: dict[str, Any]) -> list[str]:
+    """A sentence on --bidirectional where no method takes it."""
+    from msbsdf_cli.methods.position_free import PositionFree
+    from msbsdf_cli.methods.registry import METHODS
+
+    takes = any(issubclass(METHODS[name], PositionFree) for name in options["method"])
+    if takes or not options["bidirectional"]:
+        return []
+    return ["--bidirectional has no effect: it is for the position-free methods."]
+
+
+def how_it_went(values: Any) -> dict[str, Any]:
+    """What run.json says of a method at an angle of incidence."""
+    return {
+        "method": values.method,
+        "theta_i_rad": values.theta,
+        "unresolved": values.unresolved,
+        "seconds": values.seconds,
+    }
 
 
 def hardly_known(values: list[Any]) -> list[str]:
@@ -82,7 +84,7 @@ EVALUATIONS_PER_S = 2e7
 """Rough rate of one core in walks times directions, for telling beforehand what takes long."""
 
 
-def show(values: list[Any], out: Any) -> None:
+def show(values: list[Any]) -> None:
     """Print the largest total of each method and its standard error, and the time it took."""
     from msbsdf_cli.cli.terminal import measured, show_table
 
@@ -100,4 +102,3 @@ def show(values: list[Any], out: Any) -> None:
             )
         )
     show_table(("theta", "method", "largest value [1/sr]", "unresolved", "seconds"), lines)
-    click.echo(f"Report: {out}")

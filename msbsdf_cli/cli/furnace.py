@@ -28,37 +28,28 @@ def command(**options: Any) -> None:
     white wall conserves energy.
     """
     from msbsdf_cli.cli import common
+    from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.furnace import furnace, furnace_table
     from msbsdf_cli.methods.solve import Solve
     from msbsdf_cli.plots.furnace import draw_furnace
-    from msbsdf_cli.results import manifest
-    from msbsdf_cli.results.directory import new_report
 
-    alphas = options["alpha"]
+    alphas, accuracy = options["alpha"], options["accuracy"]
     scene = common.scene_from(options | {"alpha": alphas[0]})
-    options["method"] = common.methods_for(scene, options["method"])
-    out = common.out_directory("furnace", f"{scene.material.name}-{scene.slopes.name}", options)
-    warnings = common.scene_warnings(options | {"alpha": sum(alphas, ())}, 0.0)
-    accuracy = options["accuracy"]
-    if accuracy is not None and Solve.name not in options["method"]:
-        warnings.append("--accuracy has no effect: it is for --method solve.")
-    common.announce(warnings)
-    started, elapsed = manifest.now(), manifest.stopwatch()
+    options["method"] = methods = common.methods_for(scene, options["method"])
+    report = Report("furnace", f"{scene.material.name}-{scene.slopes.name}", options)
+    report.warn(common.scene_warnings(options | {"alpha": sum(alphas, ())}, 0.0))
+    if accuracy is not None and Solve.name not in methods:
+        report.warn(["--accuracy has no effect: it is for --method solve."])
     settings = options["samples"], options["seed"], accuracy, options["threads"], options["quiet"]
-    with new_report(out) as draft:
-        results = furnace(scene, alphas, options["method"], *settings)
-        missed = not_reached(results, accuracy) if accuracy else hardly_known(scene, results)
-        common.announce(missed)
-        warnings += missed
+    with report.draft() as draft:
+        results = furnace(scene, alphas, methods, *settings)
+        known = not_reached(results, accuracy) if accuracy else hardly_known(scene, results)
+        report.warn(known)
+        table = furnace_table(scene, results)
         walks = options["samples"] * len(results) * len(scene.theta)
-        record = manifest.methods_record("furnace", options, started, elapsed(), walks, warnings)
-        manifest.write_report(draft, record, {"furnace.csv": furnace_table(scene, results)})
-        draw_furnace(draft)
-    if options["as_json"]:
-        manifest.show_json(record | {"report": str(out)})
-    elif not options["quiet"]:
-        show(scene, results)
-        click.echo(f"Report: {out}")
+        report.write(draft, {"furnace.csv": table}, walks)
+        draw_furnace(table, draft)
+    report.end(lambda: show(scene, results))
 
 
 def hardly_known(scene: Any, results: list[Any]) -> list[str]:

@@ -10,7 +10,7 @@ import click
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
 from surfaces.materials import NAMES as MATERIALS
-from surfaces.metals import METALS
+from surfaces.materials._metals import METALS
 
 Decorator = Callable[[Callable[..., None]], Callable[..., None]]
 
@@ -206,7 +206,7 @@ _OPTIONS: dict[str, Any] = {
         help="Dielectric: index inside over index outside.",
     ),
     "metal": dict(
-        type=click.Choice(list(METALS)),
+        type=click.Choice(tuple(METALS)),
         help="Conductor: Fresnel reflectance of this metal at 549 nm.",
     ),
     "eta-k": dict(

@@ -24,38 +24,40 @@ def command(**options: Any) -> None:
     and a picture of the surface.
     """
     from msbsdf_cli.cli import common
-    from msbsdf_cli.results.directory import new_report
-    from msbsdf_cli.results.manifest import show_end, show_json, show_run
+    from msbsdf_cli.cli.report import Report
+    from msbsdf_cli.cli.runs import show_run, write_run
 
     scene = common.scene_from(options)
-    common.free_paths_from(options, "gaussian")
-    out = common.out_directory("simulate", scene.slug(), options)
+    free_paths = common.free_paths_from(options, "gaussian")
+    report = Report("simulate", scene.slug(), options)
     refuse_mesh(options)
-    resolve(scene, options)
-    warnings = common.scene_warnings(options, work_s(options)) + surface_warnings(options)
-    common.announce(warnings)
-    with new_report(out) as draft:
-        outcome, record = run(draft, scene, options, warnings)
-    if options["as_json"]:
-        show_json(record | {"report": str(out)})
-    elif not options["quiet"]:
+    resolution = resolve(scene, options)
+    report.warn(common.scene_warnings(options, work_s(options)) + surface_warnings(options))
+    with report.draft() as draft:
+        result = run(scene, resolution, free_paths, options)
+        lobes = write_run(report, draft, result)
+        if options["convergence"]:
+            write_convergence(draft, scene, options)
+        draw(draft, scene, resolution, options)
+
+    def show() -> None:
         click.echo(
-            f"{options['realisations']} surfaces of {options['extent']} correlation lengths, "
-            f"{options['cells']} cells each."
+            f"{resolution.realisations} surfaces of {resolution.extent} correlation lengths, "
+            f"{resolution.cells} cells each."
         )
-        show_run(scene, outcome)
-        show_end(out, record, "rays")
+        show_run(lobes, result, "rays")
+
+    report.end(show)
 
 
-def resolve(scene: Any, options: dict[str, Any]) -> None:
-    """Fill in the cells, extent and realisations that the options leave open."""
+def resolve(scene: Any, options: dict[str, Any]) -> Any:
+    """The resolution; what the options leave open of it is filled in."""
     from msbsdf_cli.experiments.resolution import plan
 
     given = (options[name] for name in ("cells", "extent", "realisations", "waves"))
     resolution = plan(scene, options["accuracy"], *given)
-    options["cells"] = resolution.cells
-    options["extent"] = resolution.extent
-    options["realisations"] = resolution.realisations
+    options |= vars(resolution)
+    return resolution
 
 
 def refuse_mesh(options: dict[str, Any]) -> None:
@@ -106,42 +108,25 @@ def surface_warnings(options: dict[str, Any]) -> list[str]:
     return warnings
 
 
-def run(
-    draft: Path, scene: Any, options: dict[str, Any], warnings: list[str]
-) -> tuple[Any, dict[str, Any]]:
-    """Simulate, and write the report into `draft`; the outcome and the content of run.json."""
-    import numpy as np
+def run(scene: Any, resolution: Any, free_paths: Any, options: dict[str, Any]) -> Any:
+    """Simulate."""
+    from msbsdf_cli.experiments.realisations import simulate
 
-    from msbsdf_cli.cli.common import free_paths_from
-    from msbsdf_cli.experiments.realisations import Resolution, realisation, simulate
-    from msbsdf_cli.plots.lobes import GROUPS
+    names = ("seed", "threads", "max_order", "quiet")
+    work = scene, options["samples"], resolution, free_paths
+    return simulate(*work, *(options[name] for name in names))
+
+
+def draw(draft: Path, scene: Any, resolution: Any, options: dict[str, Any]) -> None:
+    """A picture of the first surface, and the surface itself as a mesh where that is wanted."""
+    from msbsdf_cli.experiments.realisations import realisation
     from msbsdf_cli.plots.surface import draw_surface
-    from msbsdf_cli.results.manifest import now, write_run
 
-    started = now()
-    resolution = Resolution(
-        options["cells"], options["extent"], options["realisations"], options["waves"]
-    )
-    outcome = simulate(
-        scene,
-        options["samples"],
-        resolution,
-        free_paths_from(options, "gaussian"),
-        options["seed"],
-        options["threads"],
-        options["max_order"],
-        options["quiet"],
-    )
-    record = write_run(draft, "simulate", options, started, scene, outcome, warnings)
-    np.save(draft / GROUPS, np.asarray(outcome.lobe_groups, np.float32))
-    if options.get("convergence"):
-        write_convergence(draft, scene, options)
     finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))
     draw_surface(draft, realisation(finer, 0, options["seed"]), scene.alpha)
     if options["mesh"] is not None:
         surface = realisation(resolution, 0, options["seed"])
         write_mesh(Path(options["mesh"]), surface.mesh(*scene.alpha))
-    return outcome, record
 
 
 def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:

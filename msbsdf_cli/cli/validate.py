@@ -1,7 +1,6 @@
 """`msbsdf validate`"""
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import click
@@ -29,51 +28,35 @@ def command(**options: Any) -> None:
     All verdicts hold together: a correct program fails in one run of a thousand. Exit status 0
     when all identities hold, 3 when one fails.
     """
-    from msbsdf_cli.cli import common
-    from msbsdf_cli.results.directory import new_report
-    from msbsdf_cli.results.manifest import show_json
-
-    if options["samples"] is None:
-        options["samples"] = QUICK_SAMPLES if options["quick"] else SAMPLES
-    out = common.out_directory("validate", "quick" if options["quick"] else "full", options)
-    with new_report(out) as draft:
-        rows, record = run(draft, options)
-    if options["as_json"]:
-        show_json(record | {"report": str(out)})
-    elif not options["quiet"]:
-        show(rows)
-        click.echo(f"\n{record['summary']}\nReport: {out}")
-    if any(row.failed for row in rows):
-        sys.exit(3)
-
-
-def run(draft: Path, options: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
-    """Measure and judge, and write the report into `draft`; the rows and run.json's content."""
+    from msbsdf_cli.cli.report import Report
     from msbsdf_cli.plots.identities import draw_identities, draw_reciprocity
-    from msbsdf_cli.results.manifest import methods_record, now, write_report
     from msbsdf_cli.statistics.multiple_testing import FAMILY_ERROR, judge
     from msbsdf_cli.validation.suite import measure
     from msbsdf_cli.validation.table import counts, differences, identities, summary
 
-    started = now()
+    if options["samples"] is None:
+        options["samples"] = QUICK_SAMPLES if options["quick"] else SAMPLES
+    report = Report("validate", "quick" if options["quick"] else "full", options)
     settings = (options[name] for name in ("samples", "seed", "threads", "quick", "quiet"))
-    suite = measure(*settings)
-    rows = judge(suite.findings)
-    record = methods_record("validate", options, started, suite.wall_s, suite.samples, [])
-    record |= {
-        "summary": summary(rows),
-        "verdicts": counts(rows),
-        "family_error": FAMILY_ERROR,
-        "failed": [f"{r.finding.identity} ({r.finding.section})" for r in rows if r.failed],
-    }
-    tables = {"identities.csv": identities(rows), "reciprocity.csv": differences(rows)}
-    write_report(draft, record, tables)
-    draw_identities(rows, draft / "identities.png")
-    draw_reciprocity(rows, draft / "reciprocity.png")
-    return rows, record
+    with report.draft() as draft:
+        suite = measure(*settings)
+        rows = judge(suite.findings)
+        more = {
+            "summary": summary(rows),
+            "verdicts": counts(rows),
+            "family_error": FAMILY_ERROR,
+            "failed": [f"{r.finding.identity} ({r.finding.section})" for r in rows if r.failed],
+        }
+        tables = {"identities.csv": identities(rows), "reciprocity.csv": differences(rows)}
+        report.write(draft, tables, suite.samples, None, suite.wall_s, more)
+        draw_identities(rows, draft / "identities.png")
+        draw_reciprocity(rows, draft / "reciprocity.png")
+    report.end(lambda: show(rows, summary(rows)))
+    if any(row.failed for row in rows):
+        sys.exit(3)
 
 
-def show(rows: list[Any]) -> None:
+def show(rows: list[Any], summary: str) -> None:
     """Print a line for each identity, and one for each of its rows that fails."""
     from msbsdf_cli.cli.terminal import show_table
     from msbsdf_cli.validation.table import FAILURE_HEADER, HEADER, failures, lines
@@ -83,3 +66,4 @@ def show(rows: list[Any]) -> None:
     if failed:
         click.echo()
         show_table(FAILURE_HEADER, failed)
+    click.echo(f"\n{summary}")

@@ -1,6 +1,5 @@
 """`msbsdf walk`"""
 
-from pathlib import Path
 from typing import Any
 
 import click
@@ -18,21 +17,17 @@ def command(**options: Any) -> None:
     Writes energies per order, moments, lobes and free paths, with standard errors.
     """
     from msbsdf_cli.cli import common
-    from msbsdf_cli.results.directory import new_report
-    from msbsdf_cli.results.manifest import show_end, show_json, show_run
+    from msbsdf_cli.cli.report import Report
+    from msbsdf_cli.cli.runs import show_run, write_run
 
     scene = common.scene_from(options)
-    common.free_paths_from(options, options["heights"])
-    out = common.out_directory("walk", scene.slug(), options)
-    warnings = common.scene_warnings(options, work_s(options))
-    common.announce(warnings)
-    with new_report(out) as draft:
-        outcome, record = run(draft, scene, options, warnings)
-    if options["as_json"]:
-        show_json(record | {"report": str(out)})
-    elif not options["quiet"]:
-        show_run(scene, outcome)
-        show_end(out, record, "walks")
+    free_paths = common.free_paths_from(options, options["heights"])
+    report = Report("walk", scene.slug(), options)
+    report.warn(common.scene_warnings(options, work_s(options)))
+    with report.draft() as draft:
+        result = run(scene, free_paths, options)
+        lobes = write_run(report, draft, result)
+    report.end(lambda: show_run(lobes, result, "walks"))
 
 
 def work_s(options: dict[str, Any]) -> float:
@@ -42,24 +37,9 @@ def work_s(options: dict[str, Any]) -> float:
     return float(options["samples"] * len(options["theta"]) / WALKS_PER_S)
 
 
-def run(
-    draft: Path, scene: Any, options: dict[str, Any], warnings: list[str]
-) -> tuple[Any, dict[str, Any]]:
-    """Walk, and write the report into `draft`; the outcome and the content of run.json."""
-    from msbsdf_cli.cli.common import free_paths_from
+def run(scene: Any, free_paths: Any, options: dict[str, Any]) -> Any:
+    """Walk."""
     from msbsdf_cli.experiments.walks import walk
-    from msbsdf_cli.results.manifest import now, write_run
 
-    started = now()
-    outcome = walk(
-        scene,
-        options["samples"],
-        free_paths_from(options, options["heights"]),
-        options["heights"],
-        options["seed"],
-        options["threads"],
-        options["precision"],
-        options["max_order"],
-        options["quiet"],
-    )
-    return outcome, write_run(draft, "walk", options, started, scene, outcome, warnings)
+    names = ("heights", "seed", "threads", "precision", "max_order", "quiet")
+    return walk(scene, options["samples"], free_paths, *(options[name] for name in names))

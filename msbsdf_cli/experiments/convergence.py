@@ -10,8 +10,8 @@ import numpy as np
 
 from msbsdf_cli.experiments.realisations import Resolution, make_surface
 from msbsdf_cli.results.directory import Table
-from msbsdf_cli.results.tables import order_names
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.results.lobes import order_names
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.tally import SIDES, Tally
 from surfaces.facet import Array
@@ -43,7 +43,7 @@ class Trial:
     seed: int
 
 
-def convergence(scene: Scene, samples: int, seed: int, threads: int, quiet: bool) -> Table:
+def convergence(scene: Scene, samples: int, seed: int, workers: Workers, quiet: bool) -> Table:
     """convergence.csv: energies, and their differences from the last value of each parameter.
 
     `samples` rays for each incident angle and value are spread over `SURFACES` surfaces of 16
@@ -67,7 +67,7 @@ def convergence(scene: Scene, samples: int, seed: int, threads: int, quiet: bool
         ]
     results: dict[tuple[str, float | None], list[Array]] = {}
     with Progress("convergence", len(trials), "surfaces", quiet) as progress:
-        for trial, energies in zip(trials, in_order(_energies, trials, threads), strict=True):
+        for trial, energies in zip(trials, map_ordered(_energies, trials, workers), strict=True):
             for value, energy in zip(trial.values, energies, strict=True):
                 results.setdefault((trial.parameter, value), []).append(energy)
             progress.advance(1)

@@ -10,7 +10,7 @@ import numpy as np
 from msbsdf_cli.methods.position_free import PositionFree
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene
 from surfaces.facet import Array
 from surfaces.streams import stream
@@ -63,7 +63,7 @@ def evaluate(
     wo: Array,
     samples: int,
     seed: int,
-    threads: int,
+    workers: Workers,
     precision: str,
     quiet: bool,
     solid_angle: Array | None = None,
@@ -91,7 +91,7 @@ def evaluate(
                 jobs.append(job)
     parts: dict[tuple[int, str], list[Part]] = {}
     with Progress("evaluate", len(jobs), "parts", quiet) as progress:
-        for job, results in zip(jobs, in_order(run_job, jobs, threads), strict=True):
+        for job, results in zip(jobs, map_ordered(run_job, jobs, workers), strict=True):
             for i, part in zip(job.angles, results, strict=True):
                 parts.setdefault((i, job.method), []).append(part)
             progress.advance(1)
@@ -107,7 +107,7 @@ class Part(NamedTuple):
 
     samples: int
     evaluation: Evaluation
-    unseen: Array
+    undersampled: Array
     """Error of paths that no walk has found, (channels, n)."""
     seconds: float
 
@@ -136,8 +136,8 @@ def run_job(job: EvaluationJob) -> list[Part]:
         wi = scene.wi(scene.theta[i], dtype)
         evaluation = method.evaluate(wi, wo, job.samples, rng)
         seconds = time.perf_counter() - started
-        unseen = method.unseen(wi, wo, job.samples, rng)
-        parts.append(Part(job.samples, evaluation, unseen, seconds))
+        undersampled = method.undersampling(wi, wo, job.samples, rng)
+        parts.append(Part(job.samples, evaluation, undersampled, seconds))
     return parts
 
 
@@ -189,13 +189,15 @@ def _merge(
     weight = share[:, None, None, None]
     value, totals = (weight * values).sum(axis=0), values.sum(axis=2)
     # One walk of a part, the brightest that any part knows of, adds less among all.
-    unseen = np.max([s * part.unseen for s, part in zip(share, parts, strict=True)], axis=0)
+    undersampled = np.max(
+        [s * part.undersampled for s, part in zip(share, parts, strict=True)], axis=0
+    )
     if noise:
         stderr = np.sqrt(((weight * stderrs) ** 2).sum(axis=0))
-        stderr[:, 1:] = np.hypot(stderr[:, 1:], unseen[:, None])
+        stderr[:, 1:] = np.hypot(stderr[:, 1:], undersampled[:, None])
         total_stderr = stderr.sum(axis=1)
         if len(parts) > 1:
-            total_stderr = np.hypot(_scatter(totals, share, len(turns)), unseen)
+            total_stderr = np.hypot(_scatter(totals, share, len(turns)), undersampled)
     else:
         stderr = (weight * stderrs).sum(axis=0)
         total_stderr = stderr.sum(axis=1)

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.slices import channel_names
-from msbsdf_cli.methods.directions import exits
+from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.single import Single, first_order, phase_density
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.results.directory import Table
-from msbsdf_cli.results.tables import order_names
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.results.lobes import order_names
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene, direction
 from surfaces.facet import Array, unit_circle
 from surfaces.streams import stream
@@ -68,7 +68,7 @@ def furnace(
     samples: int,
     seed: int,
     accuracy: float | None,
-    threads: int,
+    workers: Workers,
     quiet: bool,
 ) -> list[Albedos]:
     """All methods at all roughnesses, for the incident angles of `scene`."""
@@ -79,7 +79,7 @@ def furnace(
     ]
     results = []
     with Progress("furnace", len(jobs), "surfaces", quiet) as progress:
-        for result in in_order(run_furnace, jobs, threads):
+        for result in map_ordered(run_furnace, jobs, workers):
             results.append(result)
             progress.advance(1)
     return results
@@ -109,8 +109,8 @@ def run_furnace(job: FurnaceJob) -> Albedos:
         repeats = [_integrate(method, single, wi, walks, rng) for rng in streams]
         mean, stated = np.moveaxis(np.array(repeats), 1, 0)
         spread = mean.std(axis=0, ddof=1) / np.sqrt(n)
-        unseen = _unseen(method, n * walks, n * FIRST, scene.orders)
-        stderr = np.sqrt(spread**2 + unseen**2 + stated.mean(axis=0) ** 2)
+        undersampled = _unseen(method, n * walks, n * FIRST, scene.orders)
+        stderr = np.sqrt(spread**2 + undersampled**2 + stated.mean(axis=0) ** 2)
         rows.append([mean.mean(axis=0), stderr])
     found: Array = np.array(rows).reshape(len(phis), len(scene.theta), 2, *np.shape(rows[0])[1:])
     value, stderr = np.moveaxis(found, 2, 0)
@@ -134,7 +134,7 @@ def _integrate(
     wo, share = _outgoing(single, wi, rng)
     found = method.evaluate(wi, wo, walks, rng)
     added = found.value
-    added[:, 0] -= first_order(single.slopes, single.material, wi, exits(single.slopes, wo))
+    added[:, 0] -= first_order(single.slopes, single.material, wi, outgoing(single.slopes, wo))
     orders = added @ share
     orders[:, 0] += first
     stated = found.stderr @ share if method.deterministic else np.zeros_like(orders)
@@ -149,10 +149,10 @@ def _unseen(method: Method, walks: int, first: int, orders: int) -> Array:
     nothing that could be missed, and one with noise draws `walks` of them.
     """
     later = 0.0 if method.deterministic else 1 / walks
-    unseen = np.full(orders + 2, later)
-    unseen[0] = 1 / first
-    unseen[-1] = max(later, 1 / first)
-    return unseen
+    undersampled = np.full(orders + 2, later)
+    undersampled[0] = 1 / first
+    undersampled[-1] = max(later, 1 / first)
+    return undersampled
 
 
 def _with_total(orders: Array) -> Array:

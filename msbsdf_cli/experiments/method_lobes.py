@@ -1,15 +1,13 @@
-"""Lobes of a method as a report, so that it can be held against a simulated one."""
+"""Lobes of methods in the bins of a simulation, so that they can be held against it."""
 
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
 
 from msbsdf_cli.experiments.evaluate import evaluate
-from msbsdf_cli.results.manifest import write_report
-from msbsdf_cli.results.tables import energy_table, lobe_table
+from msbsdf_cli.results.lobes import Lobes
+from msbsdf_cli.run.executors import Workers
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.tally import PHI_BINS, Estimate, lobe_axes
 from surfaces.facet import Array
@@ -17,47 +15,64 @@ from surfaces.facet import Array
 MOST_PLACES = 16
 """At most so many places in a bin: as many as there are parts of the samples to take them."""
 
-SAMPLES_SHARE = 1 / 100
+SAMPLES_OF_RAYS = 1 / 100
 """Walks of a method for each ray of the simulation: every walk serves all the bins."""
 
 
-def write_method_lobes(
-    draft: Path, scene: Scene, methods: tuple[str, ...], options: dict[str, Any]
-) -> dict[str, Path]:
-    """Evaluate methods in the lobes' bins; a directory for each, by name, with energy.csv and
-    lobe.csv."""
-    wo, solid_angle = bins(scene.material.transmits, places(scene))
-    samples = max(round(options["samples"] * SAMPLES_SHARE), 32)
-    arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
+def method_lobes(
+    scene: Scene,
+    methods: tuple[str, ...],
+    rays: int,
+    seed: int,
+    workers: Workers,
+    precision: str,
+    quiet: bool,
+) -> list[Lobes]:
+    """Lobes of methods in the bins of a simulation that has `rays` rays for each incident angle.
+
+    Methods that evaluate do not say what was absorbed. Raises `UnsupportedError` where a method
+    does not hold for the scene.
+    """
+    transmits = scene.material.transmits
+    wo, solid_angle = bins(transmits, places(scene))
+    samples = max(round(rays * SAMPLES_OF_RAYS), 32)
+    arithmetic = seed, workers, precision, quiet
     values = evaluate(scene, methods, wo, samples, *arithmetic, solid_angle)
-    directories = {}
+    shape = len(scene.theta), scene.orders + 1, 1 + transmits, -1
+    place = scene.theta, scene.phi, scene.orders, transmits
+    found = []
     for name in methods:
-        directories[name] = draft / name
-        directories[name].mkdir()
         mine = [v for v in values if v.method == name]
-        energies = [Estimate(*v.energy[:, 0]) for v in mine if v.energy is not None]
-        shape = (scene.orders + 1, 1 + scene.material.transmits, -1)
-        lobes = [[a[0, :-1].reshape(shape) for a in (v.value, v.stderr)] for v in mine]
-        tables = {
-            "energy.csv": energy_table(scene, energies, [{}] * len(mine)),
-            "lobe.csv": lobe_table(scene, *map(list, zip(*lobes, strict=True))),
-        }
-        record = {"command": "evaluate", "options": options | {"method": [name]}}
-        write_report(directories[name], record, tables)
-    return directories
+        energy = np.array([v.energy[:, 0] for v in mine if v.energy is not None])
+        both = ([getattr(v, part)[0, :-1] * solid_angle for v in mine] for part in VALUES)
+        light = (np.array(each).reshape(shape) for each in both)
+        found.append(
+            Lobes(name, *place, Estimate(energy[:, 0], energy[:, 1]), Estimate(*map(_sides, light)))
+        )
+    return found
+
+
+VALUES = ("value", "stderr")
+
+
+def _sides(bins: Array) -> Array:
+    """Bins (theta, order, side, bin) of both sides, empty on the far one if it is missing."""
+    return np.pad(bins, [(0, 0), (0, 0), (0, 2 - bins.shape[2]), (0, 0)])
 
 
 def places(scene: Scene) -> int:
     """In how many places of a bin to evaluate: a power of 2, so many that the steps of azimuth are
     below half a lobe's standard deviation, but from 2 to `MOST_PLACES`.
 
-    A facet's slope has the standard deviation alpha / sqrt(2). The material's `bend` multiplies it,
-    and an azimuth near the horizon takes it times cos(theta). Lobes of diffuse facets are wide.
+    A facet's slope has the standard deviation alpha / sqrt(2). Reflection doubles it as an angle,
+    refraction from index 1 to n > 1 or back takes it times 1 - 1 / n, and an azimuth near the
+    horizon times cos(theta). Lobes of diffuse facets are wide.
     """
     material = scene.material
     if not material.specular:
         return 2
-    width = material.bend * min(scene.alpha) * math.cos(max(scene.theta)) / math.sqrt(2)
+    bend = 1 - min(material.ior, 1 / material.ior) if material.transmits else 2.0
+    width = bend * min(scene.alpha) * math.cos(max(scene.theta)) / math.sqrt(2)
     wanted = 2 * (2 * math.pi / PHI_BINS) / width
     return min(2 ** max(math.ceil(math.log2(wanted)), 1), MOST_PLACES)
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msbsdf_cli.experiments.discretisation import COARSER, pairs, squared_errors
-from msbsdf_cli.results.run import FreePaths, Outcome
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.results.free_paths import FreePaths
+from msbsdf_cli.results.run import Run
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.statistics.tally import MERGED, PHI_BINS, THETA_BINS, Tally, merge_bins
 from surfaces.facet import Array
@@ -17,7 +18,7 @@ from surfaces.streams import stream
 from surfaces.surface import Surface
 from surfaces.tracing import Tracer
 
-FREE_PATH_SHARE = 1 / 16
+FREE_PATHS_OF_RAYS = 1 / 16
 """Free paths of a row for each ray of an incident angle."""
 
 
@@ -96,17 +97,18 @@ def simulate(
     scene: Scene,
     samples: int,
     resolution: Resolution,
-    free_paths: FreePaths,
+    wanted: FreePaths,
     seed: int,
-    threads: int,
+    workers: Workers,
     max_order: int,
     quiet: bool,
-) -> Outcome:
-    """`samples` rays for each incident angle, spread over the realisations.
+) -> Run:
+    """`samples` rays for each incident angle, spread over the realisations, and free paths of the
+    directions and heights of `wanted`.
 
-    The numbers depend on `seed` and not on `threads`.
+    The numbers depend on `seed` and not on `workers`.
     """
-    started = time.monotonic()
+    started, free_paths = time.monotonic(), wanted.empty()
     rays = -(-samples // resolution.realisations)
     jobs = (
         SurfaceJob(
@@ -124,12 +126,11 @@ def simulate(
         for number in range(resolution.realisations)
     )
     tallies, coarser = ([Tally(scene.orders) for _ in scene.theta] for _ in range(2))
-    outcome = Outcome(tallies, free_paths)
     groups = LobeGroups(scene, resolution.realisations)
     notes = dict.fromkeys(("embree_s", "surface_s", "trace_s", "rays", "free_paths_lost"), 0.0)
     total = rays * resolution.realisations * len(scene.theta)
     with Progress("simulate", total, "rays", quiet) as progress:
-        for result in in_order(trace_surface, jobs, threads):
+        for result in map_ordered(trace_surface, jobs, workers):
             for tally, unit in zip(tallies, result.tallies, strict=True):
                 tally.merge(unit)
             groups.add(result.tallies)
@@ -141,10 +142,9 @@ def simulate(
             progress.advance(rays * len(scene.theta))
     for tally, more in zip(tallies, coarser, strict=True):
         tally.systematic = squared_errors(tally, more, resolution.extent)
-    outcome.lobe_groups = groups.lobes()
-    outcome.notes = notes
-    outcome.wall_s = time.monotonic() - started
-    return outcome
+    wall_s = time.monotonic() - started
+    light = tallies, free_paths, "gaussian", groups.lobes()
+    return Run("simulate", scene, *light, wall_s, notes)
 
 
 class LobeGroups:
@@ -168,9 +168,10 @@ class LobeGroups:
         self.units += 1
 
     def lobes(self) -> Array:
-        """Means of the groups, which share the surfaces evenly or nearly so."""
+        """Means of the groups, which share the surfaces evenly or nearly so; in single precision,
+        as they are saved."""
         each = np.bincount(np.arange(self.units) % self.groups, minlength=self.groups)
-        return self.sums / each[:, None, None, None]
+        return np.asarray(self.sums / each[:, None, None, None], np.float32)
 
 
 def trace_surface(job: SurfaceJob) -> SurfaceResult:
@@ -185,7 +186,7 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     units = _units(job, tracer)
     traced = time.perf_counter()
     rays, embree_s = surface.rays, surface.embree_s
-    n = max(round(job.rays * FREE_PATH_SHARE), 1)
+    n = max(round(job.rays * FREE_PATHS_OF_RAYS), 1)
     shares, weights, lost = _free_paths(job, tracer, n)
     coarser = _coarser(job, units) if job.paired else []
     return SurfaceResult(

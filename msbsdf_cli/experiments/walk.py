@@ -8,7 +8,7 @@ import numpy as np
 from msbsdf_cli.checks import count, direction_in
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.result import Result
-from msbsdf_cli.run.executors import Workers, in_order
+from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
@@ -74,7 +74,7 @@ def walk(
     seed, max_order = count(seed, "seed", 0), count(max_order, "max_order")
     total = Tally(orders)
     parts = jobs(model, wi, samples, orders, seed, max_order)
-    for _, tally in in_order(run_walks, parts, executor or 1):
+    for _, tally in map_ordered(run_walks, parts, executor or 1):
         total.merge(tally)
     settings = model.settings() | {
         "wi": wi.tolist(),

@@ -6,8 +6,9 @@ import numpy as np
 
 from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
 from msbsdf_cli.model import Smith
-from msbsdf_cli.results.run import FreePaths, Outcome
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.results.free_paths import FreePaths
+from msbsdf_cli.results.run import Run
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.smith.heights import HEIGHTS, Heights
 from msbsdf_cli.smith.slopes import Slopes
@@ -23,19 +24,19 @@ FREE_PATH_UNITS = 64
 def walk(
     scene: Scene,
     samples: int,
-    free_paths: FreePaths,
+    wanted: FreePaths,
     heights: str,
     seed: int,
-    threads: int,
+    workers: Workers,
     precision: str,
     max_order: int,
     quiet: bool,
-) -> Outcome:
+) -> Run:
     """`samples` walks for each incident angle, and as many free paths in all for each row.
 
-    The numbers depend on `seed` and not on `threads`.
+    The numbers depend on `seed` and not on `workers`.
     """
-    started = time.monotonic()
+    started, free_paths = time.monotonic(), wanted.empty()
     tallies = [Tally(scene.orders) for _ in scene.theta]
     model, dtype = Smith(scene.slopes, scene.material), np.dtype(precision).type
     parts = (
@@ -44,13 +45,13 @@ def walk(
         for job in jobs(model, scene.wi(theta, dtype), samples, scene.orders, seed, max_order, i)
     )
     with Progress("walk", samples * len(scene.theta), "walks", quiet) as progress:
-        for index, tally in in_order(run_walks, parts, threads):
+        for index, tally in map_ordered(run_walks, parts, workers):
             tallies[index].merge(tally)
             progress.advance(tally.rays)
     wall_s = time.monotonic() - started
     rng = stream(seed, "walk free paths")
     walk_free_paths(scene.slopes, scene.phi, HEIGHTS[heights], free_paths, samples, rng)
-    return Outcome(tallies, free_paths, wall_s)
+    return Run("walk", scene, tallies, free_paths, heights, wall_s=wall_s)
 
 
 def walk_free_paths(

@@ -33,9 +33,9 @@ class Bsdf:
         samples = count(samples, "samples")
         rng = stream(count(seed, "seed", 0), "evaluate", self.name, 0, 0)
         found = self.method.evaluate(wi, wo.astype(wi.dtype), samples, rng)
-        unseen = self.method.unseen(wi, wo.astype(wi.dtype), samples, rng)
+        undersampled = self.method.undersampling(wi, wo.astype(wi.dtype), samples, rng)
         stderr = np.array(found.stderr)
-        stderr[:, 1:] = np.hypot(stderr[:, 1:], unseen[:, None])
+        stderr[:, 1:] = np.hypot(stderr[:, 1:], undersampled[:, None])
         return Evaluation(found.value, stderr, found.unresolved)
 
     def sample(self, wi: Array, n: float, seed: int = 0) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from msbsdf_cli.methods.directions import Exits, Holds, exits
+from msbsdf_cli.methods.base import MethodBase, Outgoing, outgoing
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import first_order, phase_density
 from msbsdf_cli.methods.traits import Traits
@@ -88,7 +88,7 @@ class Albedo:
         return float(np.abs(self(w) - first_order_albedo(slopes, material, w, inside)).max())
 
 
-class EnergyCompensated(Holds):
+class EnergyCompensated(MethodBase):
     """Single scattering as it is, in order 1, and one lobe for all later orders, in the last row.
 
     Kulla & Conty 2017, Revisiting Physically Based Shading at Imageworks:
@@ -128,7 +128,7 @@ class EnergyCompensated(Holds):
             )
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
-        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         value = np.zeros((self.material.channels, self.orders + 1, out.n), wi.dtype)
         stderr = np.zeros_like(value)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
@@ -163,11 +163,11 @@ class EnergyCompensated(Holds):
         cosine = side * np.abs(wo[2]) / np.pi
         return E_i * phase_density(self.slopes, self.material, wi, wo) + (1 - E_i) * cosine
 
-    def _lobe(self, wi: Array, out: Exits) -> Array:
+    def _lobe(self, wi: Array, out: Outgoing) -> Array:
         """The compensation, BSDF x cos(theta_o), (channels, n)."""
         return (1 - self.E(wi[:, None])) * self._shape(out)
 
-    def _shape(self, out: Exits) -> Array:
+    def _shape(self, out: Outgoing) -> Array:
         """The compensation for one unit of lost energy, per steradian, (channels, n)."""
         cosine = out.w[2] / np.pi
         above = (1 - self.E(out.w)) / (1 - self.E.mean) * cosine
@@ -178,7 +178,7 @@ class EnergyCompensated(Holds):
 
     def _bounced_again(self) -> Array:
         """What of the lost energy a metal returns after more bounces, (channels,)."""
-        F = _cosine_mean(self.material.fresnel)
+        F = _cosine_mean(self.material.reflectance)
         return F * F * self.E.mean / (1 - F * (1 - self.E.mean))
 
     def _share_through(self) -> float:
@@ -189,7 +189,7 @@ class EnergyCompensated(Holds):
         """
         if not self.material.transmits:
             return 0.0
-        F = _cosine_mean(self.material.fresnel)
+        F = _cosine_mean(self.material.reflectance)
         lost, lost_inside = 1 - self.E.mean, 1 - self.E_inside.mean
         return float((1 - F[0]) * lost_inside / max(lost, lost_inside))
 

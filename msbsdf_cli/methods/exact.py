@@ -6,9 +6,14 @@ from itertools import count
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, exits
+from msbsdf_cli.methods.base import Outgoing, outgoing
 from msbsdf_cli.methods.estimate import Estimate, batches
-from msbsdf_cli.methods.forced import Forced, follow_forced, forced_free_path, roulette
+from msbsdf_cli.methods.forced_collisions import (
+    ForcedPaths,
+    follow_forced_paths,
+    forced_free_path,
+    roulette,
+)
 from msbsdf_cli.methods.paths import (
     Paths,
     arriving,
@@ -22,7 +27,7 @@ from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.traits import Traits
-from msbsdf_cli.smith.descent import Descent, arriving_descent, slant
+from msbsdf_cli.smith.integrated_heights import IntegratedHeights, arriving_heights, extinction_of
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
 from surfaces.batch import concatenate
@@ -36,31 +41,31 @@ this one. Of mirrors, hardly a path comes so far unless roughness is well above 
 
 
 @dataclass(kw_only=True)
-class Descents(Paths):
-    """Paths with the columns of `msbsdf_cli.smith.descent.Descent`, all with as many ways down."""
+class IntegratedPaths(Paths):
+    """Paths with the columns of `IntegratedHeights`, all with as many ways down."""
 
-    share: Array
-    """1 over the chance that roulette let the path come so far, (n,)."""
+    throughput: Array
+    """1 over the probability that roulette let the path come so far, (n,)."""
     t: Array
     hit: Array
-    """Heights sampled along with the directions, and the chance of these, for later use, (n,)."""
-    L: Array
+    """Heights sampled along with the directions, for later use, and their probability, (n,)."""
+    extinction: Array
     follow: Array
     up: Array
     turn: Array | None
 
     @property
-    def descent(self) -> Descent:
-        return Descent(self.L, self.follow, self.up, self.turn)
+    def heights(self) -> IntegratedHeights:
+        return IntegratedHeights(self.extinction, self.follow, self.up, self.turn)
 
 
 class Exact(SampledByWalk):
     """The model of Bitterli & d'Eon 2022 and Cui et al. 2023, which is that of [HHdD16] with the
-    integral over heights done (`msbsdf_cli.smith.descent`).
+    integral over heights done (`msbsdf_cli.smith.integrated_heights`).
 
     Directions are sampled along the scattering kernel, with a next event towards wo at each facet
-    and the first order in closed form. Paths go on as long as the chance is good that light meets
-    another facet along their directions, and end by roulette: no bias, no cap.
+    and the first order in closed form. Paths go on as long as light probably meets another facet
+    along their directions, and end by roulette: no bias, no cap.
 
     The work for a path grows with the square of its length, with the cube where light turns down
     again. From facet number `HEIGHTS_FROM` on (`HEIGHTS_FROM_MIRRORS`), heights are sampled:
@@ -84,7 +89,7 @@ class Exact(SampledByWalk):
             )
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
-        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         estimate = Estimate(self.material.channels, self.orders, out.n)
         for n in batches(samples, out.n):
             self._follow(wi, n, out, estimate, rng)
@@ -95,14 +100,14 @@ class Exact(SampledByWalk):
         return Evaluation(value, stderr)
 
     def _follow(
-        self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
+        self, wi: Array, n: int, out: Outgoing, estimate: Estimate, rng: np.random.Generator
     ) -> None:
-        """Add what `n` paths send to the exits from their second facet on."""
+        """Add what `n` paths send to the outgoing directions from their second facet on."""
         groups = [self._arrive(wi, n, rng)]
         for order in count(1):
             if order == self.orders + 1:
                 _open_tail(groups, out, estimate)
-            if order == (HEIGHTS_FROM if self.material.turns_down else HEIGHTS_FROM_MIRRORS):
+            if order == (HEIGHTS_FROM_MIRRORS if mirrors(self.material) else HEIGHTS_FROM):
                 self._sample_heights(groups, out, estimate, order, rng)
                 return
             parts = defaultdict(list)
@@ -113,71 +118,84 @@ class Exact(SampledByWalk):
                         for piece in block.blocks(lanes_for(out.n)):
                             estimate.add(order, self._towards(piece, out), piece.slot)
                     for after in self._leave_facet(block, rng):
-                        parts[len(after.L)].append(after)
+                        parts[len(after.extinction)].append(after)
             groups = [concatenate(same_depth) for same_depth in parts.values()]
             if not groups:
                 return
 
-    def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Descents:
+    def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> IntegratedPaths:
         columns = arriving(self.slopes, self.material, np.tile(-wi[:, None], n), np.zeros(n, bool))
-        descent = arriving_descent(slant(columns["d"], columns["sigma"]), self.material.turns_down)
+        heights = arriving_heights(
+            extinction_of(columns["d"], columns["sigma"]), not mirrors(self.material)
+        )
         E = exponential(n, rng, wi.dtype.type)
         _, t = free_path(np.zeros(n, wi.dtype), columns["d"], columns["sigma"], E)
         one = np.ones(n, wi.dtype)
-        return Descents(**columns, t=t, hit=one, share=one, **vars(descent))
+        return IntegratedPaths(**columns, t=t, hit=one, throughput=one, **vars(heights))
 
     def _sample_heights(
         self,
-        groups: list[Descents],
-        out: Exits,
+        groups: list[IntegratedPaths],
+        out: Outgoing,
         estimate: Estimate,
         order: int,
         rng: np.random.Generator,
     ) -> None:
         """Go on with the heights sampled so far, from facet number `order`."""
         walks = [
-            Forced(
+            ForcedPaths(
                 d=g.d,
                 sigma=g.sigma,
                 slot=g.slot,
                 weight=g.weight,
                 t=g.t,
-                share=g.share * g.hit,
+                throughput=g.throughput * g.hit,
             )
             for g in groups
         ]
-        follow_forced(self.slopes, self.material, concatenate(walks), out, estimate, rng, order)
+        follow_forced_paths(
+            self.slopes, self.material, concatenate(walks), out, estimate, rng, order
+        )
 
-    def _towards(self, paths: Descents, out: Exits) -> Array:
-        """Next events, (channels, n, exits)."""
+    def _towards(self, paths: IntegratedPaths, out: Outgoing) -> Array:
+        """Next events, (channels, n, directions)."""
         phase, colour = next_event(self.slopes, self.material, paths, out)
-        leaves = paths.descent.leaving(out.Lambda)[0]
-        leaves *= paths.share[:, None]
+        leaves = paths.heights.leaving(out.Lambda)[0]
+        leaves *= paths.throughput[:, None]
         return coloured(phase * leaves, colour, paths.weight)
 
-    def _leave_facet(self, paths: Descents, rng: np.random.Generator) -> list[Descents]:
+    def _leave_facet(
+        self, paths: IntegratedPaths, rng: np.random.Generator
+    ) -> list[IntegratedPaths]:
         """The paths that go on: those that head up, and those that head down."""
         assert paths.m is not None
         after, _ = scatter(self.slopes, self.material, paths, paths.m, rng)
         if after.weight is not None:
             after = after.compress(after.weight.max(axis=0) > 0)
-        after.t, chance = forced_free_path(after.t, after.d, after.sigma, rng)
-        after.hit = after.hit * chance
+        after.t, probability = forced_free_path(after.t, after.d, after.sigma, rng)
+        after.hit = after.hit * probability
         heads_up = after.d[2] > 0
         up, down = after.compress(heads_up), after.compress(~heads_up)
         ways_on = []
         if up.n:
-            up = replace(up, **vars(up.descent.upward(slant(up.d, up.sigma))))
-            arrives = up.descent.leaving(np.zeros(1, up.d.dtype))[0][:, 0]
-            stays, boost = roulette(arrives * up.share, up.weight, rng)
-            up.share = up.share * boost
+            up = replace(up, **vars(up.heights.upward(extinction_of(up.d, up.sigma))))
+            arrives = up.heights.leaving(np.zeros(1, up.d.dtype))[0][:, 0]
+            stays, boost = roulette(arrives * up.throughput, up.weight, rng)
+            up.throughput = up.throughput * boost
             ways_on.append(up.compress(stays))
         if down.n:
-            ways_on.append(replace(down, **vars(down.descent.downward(slant(down.d, down.sigma)))))
+            ways_on.append(
+                replace(down, **vars(down.heights.downward(extinction_of(down.d, down.sigma))))
+            )
         return [paths for paths in ways_on if paths.n]
 
 
-def _open_tail(groups: list[Descents], out: Exits, estimate: Estimate) -> None:
+def mirrors(material: Material) -> bool:
+    """Whether light that heads up never heads down again: a mirror always raises d_z."""
+    return material.specular and not material.transmits
+
+
+def _open_tail(groups: list[IntegratedPaths], out: Outgoing, estimate: Estimate) -> None:
     first = 0
     for paths in groups:
         paths.slot = np.arange(first, first + paths.n)

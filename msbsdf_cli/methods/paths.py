@@ -1,16 +1,15 @@
 """Paths under way between facets: how they scatter, and what they send towards given directions.
 
-Directions are in the frame of the side they travel in, see `msbsdf_cli.smith.kernel`.
+Directions are in the frame of the side they travel in, see `surfaces.materials`.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any, TypeVar
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, squared_index
+from msbsdf_cli.methods.base import Outgoing
 from msbsdf_cli.methods.estimate import Estimate
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
@@ -36,7 +35,7 @@ class Paths(Batch):
     start: Array | None = None
     """Number of the direction that the path starts from, where they differ, (n,)."""
     m: Array | None = None
-    """Normal of the facet that was met, (3, n), of any length; of length 1 if it is diffuse."""
+    """Normal of the facet that was met, (3, n), of length 1 unless facets are specular."""
 
     @property
     def n(self) -> int:
@@ -63,23 +62,23 @@ def follow(
     slopes: Slopes,
     material: Material,
     paths: P,
-    exits: int,
+    directions: int,
     estimate: Estimate,
     rng: np.random.Generator,
     value: Callable[[P], Array],
     go_on: Callable[[P], P],
     order: int = 1,
 ) -> None:
-    """Add `value` (channels, n, exits) of paths at their facet number `order`, and at all later
-    ones, until none is left. `go_on` leads to the next facet those that meet one."""
+    """Add `value` (channels, n, directions) of paths at their facet number `order`, and at all
+    later ones, until none is left. `go_on` leads to the next facet those that meet one."""
     while paths.n:
         if order > estimate.orders and estimate.tail is None:
             paths.slot = np.arange(paths.n)
-            estimate.open_tail(paths.n, exits, paths.start)
+            estimate.open_tail(paths.n, directions, paths.start)
         staying = []
         for block in paths.blocks(BLOCK):
             block.m = meet(slopes, material, block, rng)
-            for piece in block.blocks(lanes_for(exits)):
+            for piece in block.blocks(lanes_for(directions)):
                 estimate.add(order, value(piece), piece.slot, piece.start)
             staying.append(go_on(block))
         paths = concatenate(staying)
@@ -89,7 +88,7 @@ def follow(
 def meet(slopes: Slopes, material: Material, paths: Paths, rng: np.random.Generator) -> Array:
     """Normals of the facets that the paths meet, visible to them."""
     m = slopes.visible_normals(-paths.d, paths.n, rng)
-    return m / np.sqrt(dot(m, m)) if material.lambertian else m
+    return m if material.specular else m / np.sqrt(dot(m, m))
 
 
 def scatter(
@@ -108,44 +107,50 @@ def scatter(
 
 
 def next_event(
-    slopes: Slopes, material: Material, paths: Paths, out: Exits
+    slopes: Slopes, material: Material, paths: Paths, out: Outgoing
 ) -> tuple[Array, Array | None]:
-    """What the facet sends towards all the exits: the phase function, per steradian, (n, exits),
-    and the share of each channel, (channels, n, exits) or broadcasting to it.
+    """What the facet sends towards all outgoing directions: the phase function, per steradian, (n,
+    directions), and the share of each channel, (channels, n, directions) or broadcasting to it.
 
     For diffuse facets it is that of the one normal that was met, an unbiased stand-in.
     """
-    if material.lambertian:
+    if not material.specular:
         assert paths.m is not None
-        phase = np.maximum(paths.m.T @ out.w, 0) / np.pi
+        phase = material.lobe(paths.m.T @ out.w)
         albedos = np.array(material.albedos, phase.dtype)
         return np.where(out.inside, 0, phase), albedos[:, None, None]
     d, w = paths.d[:, :, None], out.w[:, None, :]
     sigma = paths.sigma[:, None]
     if paths.inside is None:
-        density, colour = material.density(slopes, d, w)
+        density, colour = material.reflection(slopes, d, w)
         return np.where(out.inside, 0, density / sigma), colour
     phase = np.empty((paths.n, out.n), d.dtype)
-    for here, there in product((False, True), repeat=2):
-        lanes = np.flatnonzero(paths.inside == here)
-        ends = np.flatnonzero(out.inside == there)
-        if lanes.size and ends.size:
-            density, _ = material.density(slopes, d[:, lanes], w[:, :, ends], here, here != there)
-            phase[np.ix_(lanes, ends)] = density / sigma[lanes]
+    for here in (False, True):
+        for there in (False, True):
+            lanes = np.flatnonzero(paths.inside == here)
+            ends = np.flatnonzero(out.inside == there)
+            if lanes.size and ends.size:
+                ends_of_lanes = np.ix_(lanes, ends)
+                pair = d[:, lanes], w[:, :, ends]
+                if here == there:
+                    density, _ = material.reflection(slopes, *pair, here)
+                else:
+                    density = material.refraction(slopes, *pair, here)
+                phase[ends_of_lanes] = density / sigma[lanes]
     return phase, None
 
 
 def coloured(phase: Array, colour: Array | None, weight: Array | None) -> Array:
-    """Values (n, exits) in each channel, (channels, n, exits)."""
+    """Values (n, directions) in each channel, (channels, n, directions)."""
     value = phase[None]
     if colour is not None:
         value = value * colour
     return value if weight is None else value * weight[:, :, None]
 
 
-def lanes_for(exits: int) -> int:
-    """How many paths fill a block when each looks towards so many exits."""
-    return max(1, BLOCK // exits)
+def lanes_for(directions: int) -> int:
+    """How many paths fill a block when each looks towards so many directions."""
+    return max(1, BLOCK // directions)
 
 
 def pair_density(
@@ -157,12 +162,17 @@ def pair_density(
     Light carries energy, whose density per steradian grows with the square of the index.
     """
     if paths.inside is None or inside is None:
-        return material.density(slopes, paths.d, w)
+        return material.reflection(slopes, paths.d, w)
     density = np.empty(paths.n, w.dtype)
-    for here, there in product((False, True), repeat=2):
-        lanes = np.flatnonzero((paths.inside == here) & (inside == there))
-        part, _ = material.density(slopes, paths.d[:, lanes], w[:, lanes], here, here != there)
-        density[lanes] = part / squared_index(material, there)
+    for here in (False, True):
+        for there in (False, True):
+            lanes = np.flatnonzero((paths.inside == here) & (inside == there))
+            pair = paths.d[:, lanes], w[:, lanes]
+            if here == there:
+                part = material.reflection(slopes, *pair, here)[0]
+            else:
+                part = material.refraction(slopes, *pair, here)
+            density[lanes] = part / material.squared_index(there)
     return density, None
 
 
@@ -170,10 +180,10 @@ def reversed_phase(slopes: Slopes, material: Material, before: Paths, after: Pat
     """The phase function (n,) of light that comes back along the paths `after` a facet, for
     where the paths came from `before` it; colour aside, and for diffuse facets that of the
     normal that was met."""
-    if material.lambertian:
+    if not material.specular:
         assert before.m is not None
-        return -dot(before.d, before.m) / np.pi
+        return material.lobe(-dot(before.d, before.m))
     density, _ = pair_density(slopes, material, before, after.d, after.inside)
     if before.inside is not None:
-        density = density * squared_index(material, before.inside)
+        density = density * material.squared_index(before.inside)
     return density / slopes.sigma(-after.d)

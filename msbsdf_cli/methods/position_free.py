@@ -4,25 +4,25 @@ from functools import partial
 
 import numpy as np
 
-from msbsdf_cli.methods.connections import connect_both_ends
-from msbsdf_cli.methods.directions import Exits, Holds, exits
+from msbsdf_cli.methods.base import MethodBase, Outgoing, outgoing
+from msbsdf_cli.methods.bidirectional import connect_bidirectionally
 from msbsdf_cli.methods.estimate import Estimate, batches
+from msbsdf_cli.methods.path_factors import FactoredPaths, go_on, leaving_probability, send
 from msbsdf_cli.methods.paths import arriving, follow, meet, scatter
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import broadened_pdf
-from msbsdf_cli.methods.segments import Segments, go_on, leaving_chance, send
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.traits import Traits
-from msbsdf_cli.methods.unseen import one_walk
-from msbsdf_cli.smith.descent import slant
+from msbsdf_cli.methods.undersampling import undersampling_bound
+from msbsdf_cli.smith.integrated_heights import extinction_of
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
 from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-class PositionFree(Holds):
-    """Base of the two models, see `msbsdf_cli.methods.segments`; single scattering is in closed
+class PositionFree(MethodBase):
+    """Base of the two models, see `msbsdf_cli.methods.path_factors`; single scattering is in closed
     form, and the orders after it come from one of two estimators:
 
     unidirectional: directions sampled from wi by visible normals, next events towards all wo;
@@ -42,7 +42,7 @@ class PositionFree(Holds):
         self.bidirectional = bidirectional
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
-        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         estimate = Estimate(self.material.channels, self.orders, out.n)
         one_batch = self._connect if self.bidirectional else self._send
         for n in batches(samples, out.n):
@@ -53,11 +53,13 @@ class PositionFree(Holds):
         stderr[:, 0] = 0
         return Evaluation(value, stderr)
 
-    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
-        return one_walk(self.slopes, self.material, exits(self.slopes, wo), samples, rng)
+    def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+        return undersampling_bound(
+            self.slopes, self.material, outgoing(self.slopes, wo), samples, rng
+        )
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        """By visible normals, leaving with the model's chance: perfect but for absorption."""
+        """By visible normals, leaving with the model's probability: perfect but for absorption."""
         w = np.empty((3, n), wi.dtype)
         weight = np.ones((self.material.channels, n), wi.dtype)
         for start in range(0, n, BLOCK):
@@ -70,15 +72,16 @@ class PositionFree(Holds):
     def pdf(self, wi: Array, wo: Array) -> Array:
         return broadened_pdf(self.slopes, self.material, wi, wo)
 
-    def _arrive(self, wi: Array, n: int) -> Segments:
+    def _arrive(self, wi: Array, n: int) -> FactoredPaths:
         columns = arriving(self.slopes, self.material, np.tile(-wi[:, None], n), np.zeros(n, bool))
-        L = slant(columns["d"], columns["sigma"])
-        return Segments(**columns, L=L, share=np.ones(n, wi.dtype))
+        extinction = extinction_of(columns["d"], columns["sigma"])
+        return FactoredPaths(**columns, extinction=extinction, throughput=np.ones(n, wi.dtype))
 
     def _send(
-        self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
+        self, wi: Array, n: int, out: Outgoing, estimate: Estimate, rng: np.random.Generator
     ) -> None:
-        """Add what `n` paths from `wi` send to the exits from their second facet on."""
+        """Add what `n` paths from `wi` send to the outgoing directions from their second facet
+        on."""
         again = partial(go_on, self.slopes, self.material, correlated=self.correlated, rng=rng)
         paths = self._arrive(wi, n)
         paths.m = meet(self.slopes, self.material, paths, rng)
@@ -88,20 +91,24 @@ class PositionFree(Holds):
         )
 
     def _connect(
-        self, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
+        self, wi: Array, n: int, out: Outgoing, estimate: Estimate, rng: np.random.Generator
     ) -> None:
-        connect_both_ends(self.slopes, self.material, self.correlated, wi, n, out, estimate, rng)
+        connect_bidirectionally(
+            self.slopes, self.material, self.correlated, wi, n, out, estimate, rng
+        )
 
     def _sample_facet(
-        self, paths: Segments, w: Array, weight: Array, rng: np.random.Generator
-    ) -> Segments:
+        self, paths: FactoredPaths, w: Array, weight: Array, rng: np.random.Generator
+    ) -> FactoredPaths:
         """Writes the directions and weights of the paths that leave; the others go on."""
         m = meet(self.slopes, self.material, paths, rng)
         after, transmitted = scatter(self.slopes, self.material, paths, m, rng)
-        after.L = slant(after.d, after.sigma)
+        after.extinction = extinction_of(after.d, after.sigma)
         through = False if transmitted is None else transmitted
-        chance = leaving_chance(paths.L, after.d, after.L, through, self.correlated)
-        leaves = rng.random(after.n, dtype=w.dtype) < chance
+        probability = leaving_probability(
+            paths.extinction, after.d, after.extinction, through, self.correlated
+        )
+        leaves = rng.random(after.n, dtype=w.dtype) < probability
         done = after.compress(leaves)
         inside = np.zeros(done.n, bool) if done.inside is None else done.inside
         w[:, done.slot] = np.where(inside, -done.d, done.d)

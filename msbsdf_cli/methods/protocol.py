@@ -54,7 +54,7 @@ class Method(Protocol):
         in the precision of `wi`.
         """
 
-    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+    def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         """Error (channels, n) that paths may leave in all values from order 2 on which none of
         `samples` walks has found; it adds to `stderr` in quadrature. 0 without noise."""
 

@@ -4,9 +4,9 @@ import sys
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Holds, exits
+from msbsdf_cli.methods.base import MethodBase, outgoing
 from msbsdf_cli.methods.single import phase_density
-from msbsdf_cli.methods.unseen import one_walk
+from msbsdf_cli.methods.undersampling import undersampling_bound
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
@@ -42,21 +42,23 @@ def broadened_pdf(slopes: Slopes, material: Material, wi: Array, wo: Array) -> A
     """A density (n,) for multiple importance sampling: the first bounce's, and a cosine lobe on
     each side that light can leave on, as [HHdD16] Section 9 proposes."""
     cosine = np.abs(wo[2]) / np.pi
-    if material.lambertian:
+    if not material.specular:
         return np.where(wo[2] > 0, cosine, 0)
     lobe = cosine / 2 if material.transmits else np.where(wo[2] > 0, cosine, 0)
     first = phase_density(slopes, material, wi, wo)
     return (1 - MULTIPLE_SHARE) * first + MULTIPLE_SHARE * lobe
 
 
-class SampledByWalk(Holds):
+class SampledByWalk(MethodBase):
     """Base of the methods that evaluate the random walk's own model: the walk samples it."""
 
     slopes: Slopes
     material: Material
 
-    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
-        return one_walk(self.slopes, self.material, exits(self.slopes, wo), samples, rng)
+    def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+        return undersampling_bound(
+            self.slopes, self.material, outgoing(self.slopes, wo), samples, rng
+        )
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         return sample_walk(self.slopes, self.material, wi, n, rng)

@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, Holds, exits
+from msbsdf_cli.methods.base import MethodBase, Outgoing, outgoing
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.albedo import first_order_albedo
-from msbsdf_cli.smith.kernel import masking_shadowing, scatter_density
+from msbsdf_cli.smith.masking import masking_shadowing
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-class Single(Holds):
+class Single(MethodBase):
     """One bounce with height-correlated masking and shadowing, [HHdD16] Eqs. 11, 16 and 17.
 
     No noise: diffuse facets are integrated over by quadrature. The energy that later bounces
@@ -29,7 +29,7 @@ class Single(Holds):
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         value = np.zeros((self.material.channels, self.orders + 1, wo.shape[1]), wi.dtype)
-        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         later = 1 - float(first_order_albedo(self.slopes, self.material, wi[:, None])[0])
         return Evaluation(value, np.zeros_like(value), unresolved=max(later, 0.0))
@@ -56,7 +56,7 @@ class Single(Holds):
 
 
 def first_order(
-    slopes: Slopes, material: Material, wi: Array, out: Exits, correlated: bool = True
+    slopes: Slopes, material: Material, wi: Array, out: Outgoing, correlated: bool = True
 ) -> Array:
     """BSDF x cos(theta_o) of the first bounce, (channels, n), for `wi` (3,): q G2 / cos(theta_i).
 
@@ -69,7 +69,7 @@ def first_order(
         lanes = np.flatnonzero((out.inside == side) & (out.w[2] > 0))
         if lanes.size:
             w = out.w[:, lanes]
-            q = scatter_density(slopes, material, -wi, w, transmitted=side)
+            q = material.density(slopes, -wi, w, transmitted=side)
             value[:, lanes] = q * masking_shadowing(slopes, wi, w, side, correlated)
     return value
 
@@ -77,11 +77,11 @@ def first_order(
 def phase_density(slopes: Slopes, material: Material, wi: Array, wo: Array) -> Array:
     """Density (n,) per steradian of the direction in which the first facet sends light from `wi`
     (3,), whatever it absorbs: q / sigma for a mirror or an albedo of 1."""
-    d = -wi[:, None]
+    d, lossless = -wi[:, None], material.lossless
     density = np.zeros(wo.shape[1], wi.dtype)
     for side in (False, True) if material.transmits else (False,):
         lanes = np.flatnonzero(wo[2] < 0 if side else wo[2] > 0)
         if lanes.size:
             w = -wo[:, lanes] if side else wo[:, lanes]
-            density[lanes] = material.density(slopes, d, w, transmitted=side)[0]
+            density[lanes] = lossless.density(slopes, d, w, transmitted=side)[0]
     return density / slopes.sigma(d)

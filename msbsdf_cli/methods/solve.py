@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Holds, exits
+from msbsdf_cli.methods.base import MethodBase, outgoing
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import first_order
-from msbsdf_cli.methods.solver.halfspace import HalfSpace
-from msbsdf_cli.methods.solver.interface import TwoHalfSpaces
+from msbsdf_cli.methods.solver.dielectric import DielectricSolution
+from msbsdf_cli.methods.solver.opaque import OpaqueSolution
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
@@ -46,7 +46,7 @@ class Energy:
     """Error estimate of both together, from several resolutions and from what the sum misses."""
 
 
-class Solve(Holds):
+class Solve(MethodBase):
     """The integral equation of the Smith model, discretised and solved, for orders up to infinity.
 
     Same model as the random walk of [HHdD16], Algorithm 1. Arithmetic is in float64; results are
@@ -74,20 +74,6 @@ class Solve(Holds):
         self.fine, *self.coarse = (
             _solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
         )
-
-    @classmethod
-    def check_supported(cls, slopes: Slopes, material: Material) -> None:
-        super().check_supported(slopes, material)
-        if material.transmits and (material.absorbs or not material.specular):
-            raise UnsupportedError(
-                "method solve is for smooth interfaces that absorb nothing: its equations for two "
-                "sides know no other"
-            )
-        if material.turns_down and not (material.transmits or material.lambertian):
-            raise UnsupportedError(
-                f"method solve is not for {material.name} facets: its equations are for mirrors, "
-                "for Lambertian facets and for smooth interfaces"
-            )
 
     @classmethod
     def accurate(
@@ -125,7 +111,7 @@ class Solve(Holds):
         wi, wo = wi.astype(float), wo.astype(float)
         value, unresolved = self.fine.evaluate(wi, wo)
         error = np.max([np.abs(value - c.evaluate(wi, wo)[0]) for c in self.coarse], axis=0)
-        value[:, 0] = first_order(self.slopes, self.material, wi, exits(self.slopes, wo))
+        value[:, 0] = first_order(self.slopes, self.material, wi, outgoing(self.slopes, wo))
         return Evaluation(value.astype(dtype), error.astype(dtype), unresolved)
 
     def energy(self, wi: Array) -> Energy:
@@ -180,7 +166,6 @@ def _answering_for(missing: Array, error: Array) -> Array:
 
 def _solution(
     slopes: Slopes, material: Material, orders: int, resolution: float
-) -> HalfSpace | TwoHalfSpaces:
-    if material.transmits:
-        return TwoHalfSpaces(slopes, material, orders, resolution)
-    return HalfSpace(slopes, material, orders, resolution)
+) -> OpaqueSolution | DielectricSolution:
+    kind = DielectricSolution if material.transmits else OpaqueSolution
+    return kind(slopes, material, orders, resolution)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Holds, exits
+from msbsdf_cli.methods.base import MethodBase, outgoing
 from msbsdf_cli.methods.energy_compensated import Albedo
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import Single, first_order
@@ -12,7 +12,7 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-class Turquin(Holds):
+class Turquin(MethodBase):
     """Single scattering in order 1, and F0 (1 - E_i) / E_i times it for all later orders (Turquin
     2019, Practical Multiple Scattering Compensation for Microfacet Models); not reciprocal.
 
@@ -36,16 +36,16 @@ class Turquin(Holds):
         self.slopes, self.material, self.orders = slopes, material, orders
         self.single = Single(slopes, material, orders)
         self.E = Albedo(slopes, material, inside=False)
-        self.F0 = material.fresnel(np.ones(1))[:, 0]
+        self.F0 = material.reflectance(np.ones(1))[:, 0]
 
     @classmethod
     def check_supported(cls, slopes: Slopes, material: Material) -> None:
         super().check_supported(slopes, material)
-        if material.transmits or not material.specular:
+        if not material.specular or material.transmits:
             raise UnsupportedError("method turquin is for conductors: F0 is the colour of a metal")
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
-        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         value = np.zeros((self.material.channels, self.orders + 1, out.n), wi.dtype)
         stderr = np.zeros_like(value)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, exits
+from msbsdf_cli.methods.base import Outgoing, outgoing
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.paths import (
     Paths,
@@ -33,7 +33,7 @@ class Walks(Paths):
 
 class Walk(SampledByWalk):
     """[HHdD16 impl.] Algorithm 2, in the coordinate t: at each facet, the energy towards wo is
-    the phase function times exp(-Lambda(wo) t), the chance of leaving that way unhindered.
+    the phase function times exp(-Lambda(wo) t), the probability of leaving that way unhindered.
 
     One walk serves all outgoing directions. Walks end only by leaving, or with nothing left.
     """
@@ -46,7 +46,7 @@ class Walk(SampledByWalk):
         self.slopes, self.material, self.orders = slopes, material, orders
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
-        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         estimate = Estimate(self.material.channels, self.orders, out.n)
         for n in batches(samples, out.n):
             follow(
@@ -70,8 +70,8 @@ class Walk(SampledByWalk):
         _, t = free_path(np.zeros(n, wi.dtype), d, columns["sigma"], E)
         return Walks(**columns, t=t)
 
-    def _towards(self, walks: Walks, out: Exits) -> Array:
-        """Next events, (channels, n, exits)."""
+    def _towards(self, walks: Walks, out: Outgoing) -> Array:
+        """Next events, (channels, n, directions)."""
         phase, colour = next_event(self.slopes, self.material, walks, out)
         return coloured(phase * escape(walks.t, walks.inside, out), colour, walks.weight)
 
@@ -89,8 +89,9 @@ class Walk(SampledByWalk):
         return after.compress(stays)
 
 
-def escape(t: Array, inside: Array | None, out: Exits) -> Array:
-    """Chance exp(-Lambda t) of leaving towards each exit, (n, exits), from `t` (n,)."""
+def escape(t: Array, inside: Array | None, out: Outgoing) -> Array:
+    """Chance exp(-Lambda t) of leaving towards each outgoing direction, (n, directions), from `t`
+    (n,)."""
     if inside is None:
         return _escape(t, out.Lambda)
     return np.where(

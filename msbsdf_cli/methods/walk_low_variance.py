@@ -4,9 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, exits, far_end
+from msbsdf_cli.methods.base import Outgoing, adjoint_weight, outgoing
 from msbsdf_cli.methods.estimate import Estimate, batches
-from msbsdf_cli.methods.forced import Forced, follow_forced, leave_facet, next_facet
+from msbsdf_cli.methods.forced_collisions import (
+    ForcedPaths,
+    follow_forced_paths,
+    leave_facet,
+    next_facet,
+)
 from msbsdf_cli.methods.paths import (
     arriving,
     meet,
@@ -16,12 +21,12 @@ from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.traits import Traits
-from msbsdf_cli.methods.unseen import one_walk
+from msbsdf_cli.methods.undersampling import undersampling_bound
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
 from surfaces.batch import concatenate
 from surfaces.facet import Array
-from surfaces.materials import Diffuse, Material
+from surfaces.materials import Material
 
 ENOUGH_FOR_ERRORS = 64
 """Walks from each wo, if so many can be had, whose scatter is to tell their standard error."""
@@ -31,7 +36,7 @@ class WalkLowVariance(SampledByWalk):
     """The first bounce in closed form, forced intersections, and walks from both ends.
 
     A path of n facets is found from wi with contribution C_i and from wo with C_o, either being
-    the last facet's phase function times the chance to leave from it: all other factors are
+    the last facet's phase function times the probability to leave from it: all other factors are
     sampled. The density of finding it is therefore its energy over C, and the balance heuristic
     for n_i and n_o walks has a path count C_i C_o / (n_i C_o + n_o C_i), whichever way it is
     found: the larger of the two cannot spoil it.
@@ -46,40 +51,36 @@ class WalkLowVariance(SampledByWalk):
     name = "walk-low-variance"
     traits = Traits("#e69f00", "s")
 
-    def __init__(
-        self, slopes: Slopes, material: Material, orders: int, both_ends: bool | None = None
-    ) -> None:
-        """`both_ends`: whether to walk from wo too; None: unless facets are diffuse."""
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
         self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
-        self.both_ends = not isinstance(material, Diffuse) if both_ends is None else both_ends
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
-        out = exits(self.slopes, wo.astype(wi.dtype, copy=False))
+        out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         n_i, n_o = self._shares(samples, out.n)
-        ends = _Ends(out, n_o / n_i, far_end(self.material, out) / wi[2])
+        ends = _Ends(out, n_o / n_i, adjoint_weight(self.material, out) / wi[2])
         value, stderr = self._from_wi(wi, ends, n_i, rng)
-        if self.both_ends:
+        if self.material.specular:
             from_wo, stderr_wo = self._from_wo(wi, ends, n_o, rng)
             value, stderr = value + from_wo, np.hypot(stderr, stderr_wo)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         stderr[:, 0] = 0
         return Evaluation(value, stderr)
 
-    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+    def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         """Of either end, the less: a path counts by both."""
-        out, (n_i, n_o) = exits(self.slopes, wo), self._shares(samples, wo.shape[1])
-        from_wi = one_walk(self.slopes, self.material, out, n_i, rng)
-        if not self.both_ends:
+        out, (n_i, n_o) = outgoing(self.slopes, wo), self._shares(samples, wo.shape[1])
+        from_wi = undersampling_bound(self.slopes, self.material, out, n_i, rng)
+        if not self.material.specular:
             return from_wi
-        start = exits(self.slopes, wi[:, None])
-        from_wo = one_walk(self.slopes, self.material, start, n_o, rng)
-        return np.minimum(from_wi, from_wo * far_end(self.material, out) / wi[2])
+        start = outgoing(self.slopes, wi[:, None])
+        from_wo = undersampling_bound(self.slopes, self.material, start, n_o, rng)
+        return np.minimum(from_wi, from_wo * adjoint_weight(self.material, out) / wi[2])
 
     def _shares(self, samples: int, directions: int) -> tuple[int, int]:
         """Walks from wi, and from each wo."""
         fair = max(samples // (1 + directions), ENOUGH_FOR_ERRORS)
-        n_o = max(1, min(fair, samples // 2)) if self.both_ends else 0
+        n_o = max(1, min(fair, samples // 2)) if self.material.specular else 0
         return max(1, samples - n_o), n_o
 
     def _from_wi(
@@ -96,46 +97,46 @@ class WalkLowVariance(SampledByWalk):
     def _from_wo(
         self, wi: Array, ends: "_Ends", samples: int, rng: np.random.Generator
     ) -> tuple[Array, Array]:
-        """Walks from each exit towards `wi`, mean and standard error."""
+        """Walks from each outgoing direction towards `wi`, mean and standard error."""
         out = ends.out
         estimate = Estimate(self.material.channels, self.orders, out.n)
         for n in batches(samples, out.n):
             start = np.tile(np.arange(out.n), n)
             walks = self._arrive(-out.w[:, start], out.inside[start], rng)
             walks.start = start
-            self._follow(walks, exits(self.slopes, wi[:, None]), ends, estimate, rng)
+            self._follow(walks, outgoing(self.slopes, wi[:, None]), ends, estimate, rng)
             estimate.close_batch()
         return estimate.mean(samples)
 
-    def _arrive(self, d: Array, inside: Array, rng: np.random.Generator) -> Forced:
+    def _arrive(self, d: Array, inside: Array, rng: np.random.Generator) -> ForcedPaths:
         """At the first facet: a free path from t = 0."""
         n = d.shape[1]
         columns = arriving(self.slopes, self.material, d, inside)
         E = exponential(n, rng, d.dtype.type)
         _, t = free_path(np.zeros(n, d.dtype), d, columns["sigma"], E)
-        return Forced(**columns, t=t, share=np.ones(n, d.dtype))
+        return ForcedPaths(**columns, t=t, throughput=np.ones(n, d.dtype))
 
     def _follow(
         self,
-        walks: Forced,
-        out: Exits,
+        walks: ForcedPaths,
+        out: Outgoing,
         ends: "_Ends",
         estimate: Estimate,
         rng: np.random.Generator,
     ) -> None:
-        """Add what the walks send to the exits from their second facet on."""
+        """Add what the walks send to the outgoing directions from their second facet on."""
         parts = []
         for block in walks.blocks(BLOCK):
             block.m = meet(self.slopes, self.material, block, rng)
             after = leave_facet(self.slopes, self.material, block, rng)
-            if self.both_ends:
+            if self.material.specular:
                 after.other = self._seen_from_beyond(block, after)
             parts.append(next_facet(after, rng))
-        follow_forced(
+        follow_forced_paths(
             self.slopes, self.material, concatenate(parts), out, estimate, rng, 2, ends.balance
         )
 
-    def _seen_from_beyond(self, walks: Forced, after: Forced) -> Array:
+    def _seen_from_beyond(self, walks: ForcedPaths, after: ForcedPaths) -> Array:
         """What the same path, walked from its other end, would send to this walk's start."""
         # From the horizon Lambda is finite here, as in `exits`.
         cos = np.maximum(-walks.d[2], np.finfo(walks.d.dtype).eps ** 2)
@@ -148,14 +149,14 @@ class WalkLowVariance(SampledByWalk):
 class _Ends:
     """The exits, and how the walks from there compare with those from wi."""
 
-    out: Exits
+    out: Outgoing
     per_walk: float
-    """Walks from each exit for one from wi."""
+    """Walks from each outgoing direction for one from wi."""
     scale: Array
     """What a walk from the exit counts, (exits,)."""
 
-    def balance(self, here: Array, walks: Forced) -> Array:
-        """Contributions (n, exits) of walks from wi, or from exits of number `start`, weighed
+    def balance(self, here: Array, walks: ForcedPaths) -> Array:
+        """Contributions (n, directions) of walks from wi, or from exits of number `start`, weighed
         against those of the same paths found from the other end."""
         if walks.other is None:
             return here

@@ -11,10 +11,10 @@ from msbsdf_cli.plots.style import COLOURS, panels, save
 def draw_agreement(rows: list[Any], path: Path) -> None:
     """From the energy rows of an agreement (order, side, theta, values and standard errors)."""
     rows = [r for r in rows if r.quantity == "energy" and r.order != "all"]
-    angles = list(dict.fromkeys(r.theta for r in rows))
+    angles = list(dict.fromkeys(r.theta_i_rad for r in rows))
     figure, axes = panels(2, [1.9] * len(angles), 1.7, (0.5, 0.2), sharex=True)
     for column, theta in enumerate(angles):
-        mine = [r for r in rows if r.theta == theta]
+        mine = [r for r in rows if r.theta_i_rad == theta]
         upper, lower = axes[:, column]
         labels = [r.order if r.side == "reflected" else f"{r.order} t" for r in mine]
         x = np.arange(len(mine))
@@ -36,7 +36,7 @@ def draw_agreement(rows: list[Any], path: Path) -> None:
         )
         lower.set_xticks(x, labels)
         lower.set_xlabel("order" + (" (t: transmitted)" if any("t" in n for n in labels) else ""))
-    axes[0, 0].set_ylabel("energy, share of the incident")
+    axes[0, 0].set_ylabel("energy, fraction of the incident")
     axes[1, 0].set_ylabel("modelled - simulated\n(bars: 2 std. errors)")
     axes[0, 0].legend(loc="upper right")
     save(figure, path)

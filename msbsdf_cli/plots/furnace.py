@@ -12,18 +12,16 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 from msbsdf_cli.plots.style import method_look, panels, save
-from msbsdf_cli.results.directory import read_csv
+from msbsdf_cli.results.directory import Table
 from surfaces.facet import Array
 
-NUMBERS = ("alpha_x", "alpha_y", "theta_i_rad", "phi_i_rad", "albedo", "stderr")
 PIXELS = 160
 """Of a sphere, each way."""
 
 
-def draw_furnace(directory: Path) -> None:
-    """Albedo over the angle of incidence, a panel for each roughness and channel, a line with a
-    band of two standard errors for each method; and the spheres."""
-    table = read_csv(directory / "furnace.csv", NUMBERS)
+def draw_furnace(table: Table, directory: Path) -> None:
+    """From furnace.csv: albedo over the angle of incidence, a panel for each roughness and channel,
+    a line with a band of two standard errors for each method; and the spheres."""
     columns = {name: np.array(values) for name, values in table.items()}
     alphas = list(dict.fromkeys(zip(table["alpha_x"], table["alpha_y"], strict=True)))
     methods, channels = (list(dict.fromkeys(table[name])) for name in ("method", "channel"))

@@ -20,7 +20,7 @@ def draw_identities(rows: list[Any], path: Path) -> None:
     """Three panels: sorted z-scores against normal quantiles, z-scores identity by identity, and
     deviations without noise over their tolerance."""
     judged = [r for r in rows if r.verdict != "agreement"]
-    # Where p is 1 nothing else could have come out: that is no draw from chance.
+    # Where p is 1 nothing else could have come out: that is no draw from probability.
     noisy = [r for r in judged if r.z is not None and r.finding.wanted == "holds" and r.p_value < 1]
     exact = [r for r in judged if r.p_value is None]
     names = list(dict.fromkeys(r.finding.identity for r in judged))

@@ -1,20 +1,17 @@
-"""Pictures of lobes, from lobe.csv and energy.csv: the plane of incidence and hemisphere maps."""
+"""Pictures of lobes: the plane of incidence and hemisphere maps."""
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 from matplotlib.colors import PowerNorm, SymLogNorm
 from matplotlib.lines import Line2D
 
 from msbsdf_cli.plots.style import BAND_ROOM, method_look, order_colour, panels, save
-from msbsdf_cli.results.directory import read_csv
+from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.statistics.tally import (
     PHI_BINS,
-    SIDES,
     THETA_BINS,
     lobe_axes,
     merge_bins,
@@ -25,157 +22,87 @@ from surfaces.facet import Array
 PIXELS = 181
 """Of a hemisphere map, each way."""
 
-
-@dataclass
-class Lobes:
-    """Densities and standard errors (theta, order, side, theta bin, phi bin), per steradian."""
-
-    theta: list[float]
-    phi: float
-    orders: list[str]
-    density: Array
-    stderr: Array
-    energy: Array
-    """Energy of each side, (theta, side)."""
-
-    @property
-    def transmits(self) -> bool:
-        """Whether anything is on the far side."""
-        return bool(self.energy[:, 1].any())
+SYMBOLS = "E_r", "E_t"
+"""Of the energy on either side."""
 
 
-def load_lobes(directory: Path) -> Lobes:
-    """The lobes of a report; raises click.ClickException for a file that is not one."""
-    energy = read_csv(directory / "energy.csv", ("theta_i_rad", "phi_i_rad", "energy"))
-    theta = list(dict.fromkeys(energy["theta_i_rad"]))
-    orders = [o for o in dict.fromkeys(energy["order"]) if o != "all"]
-    numbers = ("theta_i_rad", "theta_o_rad", "phi_o_rad", "density_per_sr", "stderr_per_sr")
-    table = read_csv(directory / "lobe.csv", numbers)
-    shape = (len(theta), len(orders), 2, THETA_BINS, PHI_BINS)
-    lobes = Lobes(
-        theta, energy["phi_i_rad"][0], orders, np.zeros(shape), np.zeros(shape), np.zeros(0)
-    )
-    polar = np.array(table["theta_o_rad"])
-    polar = np.minimum(polar, np.pi - polar)
-    place = (
-        [theta.index(t) for t in table["theta_i_rad"]],
-        [orders.index(o) for o in table["order"]],
-        [SIDES.index(s) for s in table["side"]],
-        (polar / (np.pi / 2) * THETA_BINS).astype(int),
-        np.rint(np.array(table["phi_o_rad"]) / (2 * np.pi) * PHI_BINS).astype(int),
-    )
-    lobes.density[place] = table["density_per_sr"]
-    lobes.stderr[place] = table["stderr_per_sr"]
-    lobes.energy = np.zeros((len(theta), 2))
-    rows = zip(energy["theta_i_rad"], energy["side"], energy["energy"], strict=True)
-    for t, side, value in rows:
-        if side in SIDES:
-            lobes.energy[theta.index(t), SIDES.index(side)] += value
-    return lobes
-
-
-GROUPS = "lobe_groups.npy"
-"""Lobes of independent groups of surfaces (theta, group, order, side, merged bin), as energies."""
-
-
-def load_groups(directory: Path) -> Array | None:
-    """The lobes of groups of surfaces, if the report has them; raises click.ClickException for a
-    file that is not one."""
-    path = directory / GROUPS
-    if not path.exists():
-        return None
-    try:
-        return np.asarray(np.load(path, allow_pickle=False), float)
-    except (OSError, ValueError) as error:
-        raise click.ClickException(f"{path} does not hold lobes: {error}.") from None
-
-
-def draw_lobes(directory: Path) -> None:
+def draw_lobes(lobes: Lobes, directory: Path) -> None:
     """lobes.png of one run: plane of incidence, and a map for each order."""
-    lobes = load_lobes(directory)
-    for side in range(1 + lobes.transmits):
-        figure, axes = _grid(len(lobes.theta), len(lobes.orders))
-        for row, theta in enumerate(lobes.theta):
+    for side in range(len(lobes.sides)):
+        figure, axes = _grid(len(lobes.theta), len(lobes.names))
+        for row in range(len(lobes.theta)):
             draw_slice(axes[row, 0], lobes, row, side)
-            for i, order in enumerate(lobes.orders):
+            for i, order in enumerate(lobes.names):
                 density = lobes.density[row, i, side]
-                energy = (density * lobe_axes()[2][:, None]).sum()
+                energy = lobes.bins.value[row, i, side].sum()
                 title = f"order {order}   E = {energy:.4f}"
                 _map(axes[row, 1 + i], density, density.max(), title)
-            axes[row, 0].set_title(_title(theta, lobes, row, side))
-        handles = _legend(lobes.orders)[: len(lobes.orders)]
+            axes[row, 0].set_title(_title(lobes, row, side))
+        handles = _legend(lobes.names)[: len(lobes.names)]
         figure.legend(handles=handles, loc="upper left", ncols=len(handles))
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
 
 
-def draw_lobe_comparison(simulated: Path, modelled: Path, directory: Path) -> None:
+def draw_lobe_comparison(simulated: Lobes, modelled: Lobes, directory: Path) -> None:
     """lobes.png: all orders together, and a page for each angle with a map for each order, into
     `directory`."""
-    ours, theirs = load_lobes(simulated), load_lobes(modelled)
-    for side in range(1 + ours.transmits):
-        figure, axes = _grid(len(ours.theta), 3)
-        for row, theta in enumerate(ours.theta):
-            draw_slice(axes[row, 0], ours, row, side, theirs)
-            total = ours.density[row, :, side].sum(axis=0), theirs.density[row, :, side].sum(axis=0)
-            noise = np.sqrt(
-                (ours.stderr[row, :, side] ** 2 + theirs.stderr[row, :, side] ** 2).sum(axis=0)
-            )
-            energies = ours.energy[row, side], theirs.energy[row, side]
-            _map_trio(axes[row, 1:], *total, noise, side, *energies)
-            axes[row, 0].set_title(_title(theta, ours, row, side))
-        handles = _legend(ours.orders)
+    for side in range(len(simulated.sides)):
+        figure, axes = _grid(len(simulated.theta), 3)
+        for row in range(len(simulated.theta)):
+            draw_slice(axes[row, 0], simulated, row, side, modelled)
+            _map_trio(axes[row, 1:], simulated, modelled, row, side)
+            axes[row, 0].set_title(_title(simulated, row, side))
+        handles = _legend(simulated.names)
         figure.legend(handles=handles, loc="upper left", ncols=len(handles), columnspacing=1)
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
-    for row, theta in enumerate(ours.theta):
-        _draw_orders(ours, theirs, row, directory / f"lobes_theta_{theta:.4g}.png")
+    for row, theta in enumerate(simulated.theta):
+        _draw_orders(simulated, modelled, row, directory / f"lobes_theta_{theta:.4g}.png")
 
 
-def draw_methods(simulated: Path, modelled: dict[str, Path], directory: Path) -> None:
+def draw_methods(simulated: Lobes, modelled: list[Lobes], directory: Path) -> None:
     """methods.png: the plane of incidence, a row for each angle and a column for each order; points
     are simulated, lines the methods by name; both with their standard errors."""
-    ours = load_lobes(simulated)
-    theirs = {name: load_lobes(path) for name, path in modelled.items()}
-    for side in range(1 + ours.transmits):
-        columns = {name: slice(i, i + 1) for i, name in enumerate(ours.orders)}
-        columns["all"] = slice(None)
-        figure, axes = panels(len(ours.theta), [2.0] * len(columns), 1.5, (0.45, 0.7))
-        for row, theta in enumerate(ours.theta):
-            for axis, (order, i) in zip(axes[row], columns.items(), strict=True):
-                angle, values, errors = _plane(ours, row, i, side)
-                axis.errorbar(angle, values, errors, fmt="o", ms=1.8, lw=0.7, color="0.1")
-                largest = values.max()
-                for k, lobes in enumerate(theirs.values()):
-                    angle, values, errors = _plane(lobes, row, i, side)
-                    look, band = method_look(k), (values - errors, values + errors)
-                    axis.plot(angle, values, **look, lw=0.9)
-                    axis.fill_between(angle, *band, color=look["color"], alpha=0.15, lw=0)
-                    largest = max(largest, values.max())
-                _plane_axis(axis)
-                axis.set_ylim(0, BAND_ROOM * largest if largest > 0 else 1)
+    columns = {name: slice(i, i + 1) for i, name in enumerate(simulated.names)}
+    columns["all"] = slice(None)
+    for side in range(len(simulated.sides)):
+        figure, axes = panels(len(simulated.theta), [2.0] * len(columns), 1.5, (0.45, 0.7))
+        for row, theta in enumerate(simulated.theta):
+            for axis, (order, orders) in zip(axes[row], columns.items(), strict=True):
+                _methods_panel(axis, simulated, modelled, row, orders, side)
                 axis.set_title(f"theta_i = {theta:.4g}, order {order}   [1/sr]")
-        handles = [Line2D([], [], **method_look(k), label=name) for k, name in enumerate(theirs)]
+        handles = [Line2D([], [], **method_look(k), label=m.label) for k, m in enumerate(modelled)]
         handles.append(Line2D([], [], color="0.1", marker="o", ms=2, ls="", label="simulated"))
         figure.legend(handles=handles, loc="upper left", ncols=5)
         save(figure, directory / ("methods_transmitted.png" if side else "methods.png"))
 
 
-def _draw_orders(ours: Lobes, theirs: Lobes, row: int, path: Path) -> None:
-    sides = range(1 + ours.transmits)
-    figure, axes = _grid(len(ours.orders) * len(sides), 3)
-    solid_angle = lobe_axes()[2][:, None]
-    for side in sides:
-        for i, order in enumerate(ours.orders):
-            line = axes[side * len(ours.orders) + i]
-            pair = ours.density[row, i, side], theirs.density[row, i, side]
-            draw_slice(line[0], ours, row, side, theirs, only=i)
-            line[0].set_title(f"order {order}, {SIDES[side]}   [1/sr]")
-            energies = [(density * solid_angle).sum() for density in pair]
-            noise = np.hypot(ours.stderr[row, i, side], theirs.stderr[row, i, side])
-            _map_trio(line[1:], *pair, noise, side, *energies)
-    y = 1 - 0.15 / figure.get_figheight()
-    figure.suptitle(
-        f"Incident at theta = {ours.theta[row]:.4g} rad", fontsize=9, x=0.02, y=y, ha="left"
-    )
+def _methods_panel(
+    axis: Any, simulated: Lobes, modelled: list[Lobes], row: int, orders: slice, side: int
+) -> None:
+    angle, values, errors = _plane(simulated, row, orders, side)
+    axis.errorbar(angle, values, errors, fmt="o", ms=1.8, lw=0.7, color="0.1")
+    largest = values.max()
+    for k, lobes in enumerate(modelled):
+        angle, values, errors = _plane(lobes, row, orders, side)
+        look, band = method_look(k), (values - errors, values + errors)
+        axis.plot(angle, values, **look, lw=0.9)
+        axis.fill_between(angle, *band, color=look["color"], alpha=0.15, lw=0)
+        largest = max(largest, values.max())
+    _plane_axis(axis)
+    axis.set_ylim(0, BAND_ROOM * largest if largest > 0 else 1)
+
+
+def _draw_orders(simulated: Lobes, modelled: Lobes, row: int, path: Path) -> None:
+    orders, sides = simulated.names, simulated.sides
+    figure, axes = _grid(len(orders) * len(sides), 3)
+    for side, name in enumerate(sides):
+        for i, order in enumerate(orders):
+            line = axes[side * len(orders) + i]
+            draw_slice(line[0], simulated, row, side, modelled, only=i)
+            line[0].set_title(f"order {order}, {name}   [1/sr]")
+            _map_trio(line[1:], simulated, modelled, row, side, slice(i, i + 1))
+    y, title = 1 - 0.15 / figure.get_figheight(), f"theta = {simulated.theta[row]:.4g} rad"
+    figure.suptitle(f"Incident at {title}", fontsize=9, x=0.02, y=y, ha="left")
     save(figure, path)
 
 
@@ -189,10 +116,10 @@ def draw_slice(
 ) -> None:
     """Density in the plane of incidence, order by order: points with error bars where a model's
     lines go with them."""
-    for i in range(len(lobes.orders)) if only is None else (only,):
+    for i in range(len(lobes.names)) if only is None else (only,):
         order = slice(i, i + 1)
         angle, density, stderr = _plane(lobes, row, order, side)
-        label, colour = lobes.orders[i], order_colour(i)
+        label, colour = lobes.names[i], order_colour(i)
         if model is None:
             axis.plot(angle, density, color=colour, label=f"order {label}")
             axis.fill_between(angle, density - stderr, density + stderr, color=colour, alpha=0.25)
@@ -215,7 +142,7 @@ def _plane(lobes: Lobes, row: int, orders: slice, side: int) -> tuple[Array, Arr
     polar, azimuth, _ = lobe_axes()
     backward, forward = (_window(polar, azimuth, lobes.phi + turn) for turn in (0, np.pi))
     values = lobes.density[row, orders, side].sum(axis=0)
-    errors = np.sqrt((lobes.stderr[row, orders, side] ** 2).sum(axis=0))
+    errors = np.sqrt((lobes.density_stderr[row, orders, side] ** 2).sum(axis=0))
     halves = [(values * window).sum(axis=1) for window in (backward, forward)]
     # Errors of bins outside may be infinite.
     squares = [
@@ -248,9 +175,9 @@ def _legend(orders: list[str]) -> list[Any]:
     return handles
 
 
-def _title(theta: float, lobes: Lobes, row: int, side: int) -> str:
-    name = "E_t" if side else "E_r"
-    return f"theta_i = {theta:.4g}   {name} = {lobes.energy[row, side]:.4f}   [1/sr]"
+def _title(lobes: Lobes, row: int, side: int) -> str:
+    energy = lobes.energy.value[row, :, side].sum()
+    return f"theta_i = {lobes.theta[row]:.4g}   {SYMBOLS[side]} = {energy:.4f}   [1/sr]"
 
 
 def _grid(rows: int, maps: int) -> tuple[Any, Any]:
@@ -259,19 +186,18 @@ def _grid(rows: int, maps: int) -> tuple[Any, Any]:
 
 
 def _map_trio(
-    axes: Any,
-    simulated: Array,
-    modelled: Array,
-    noise: Array,
-    side: int,
-    e_simulated: float,
-    e_modelled: float,
+    axes: Any, simulated: Lobes, modelled: Lobes, row: int, side: int, orders: slice = slice(None)
 ) -> None:
-    top = max(simulated.max(), modelled.max())
-    name = "E_t" if side else "E_r"
-    _map(axes[0], simulated, top, f"simulated   {name} = {e_simulated:.4f}")
-    _map(axes[1], modelled, top, f"modelled   {name} = {e_modelled:.4f}")
-    difference = _significant(modelled - simulated, noise)
+    """Maps of the sum over some orders: simulated, modelled, and what they differ in."""
+    place = row, orders, side
+    pair = [lobes.density[place].sum(axis=0) for lobes in (simulated, modelled)]
+    squares = [(lobes.density_stderr[place] ** 2).sum(axis=0) for lobes in (simulated, modelled)]
+    top = max(density.max() for density in pair)
+    named = zip(("simulated", "modelled"), (simulated, modelled), pair, strict=True)
+    for axis, (name, lobes, density) in zip(axes, named, strict=False):
+        energy = lobes.energy.value[place].sum()
+        _map(axis, density, top, f"{name}   {SYMBOLS[side]} = {energy:.4f}")
+    difference = _significant(pair[1] - pair[0], np.sqrt(squares[0] + squares[1]))
     top = float(np.abs(difference).max())
     _map(axes[2], difference, top, "modelled - simulated, > 2 s.e.", signed=True)
 

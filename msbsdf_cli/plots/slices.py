@@ -7,17 +7,17 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from msbsdf_cli.plots.style import BAND_ROOM, DASHES, method_look, panels, save
-from msbsdf_cli.results.directory import read_csv
+from msbsdf_cli.results.directory import Table
 from surfaces.facet import Array
 
 NUMBERS = ("theta_i_rad", "theta_o_rad", "phi_o_rad", "value_per_sr", "stderr_per_sr")
 
 
-def draw_slices(directory: Path) -> None:
-    """A row for each incident angle, a column for each order; a line for each method with a band of
-    two standard errors. Three channels are drawn in their colours, each method with its own dashes.
+def draw_slices(table: Table, path: Path) -> None:
+    """From slice.csv: a row for each incident angle, a column for each order; a line for each
+    method with a band of two standard errors. Three channels are drawn in their colours, each
+    method with its own dashes.
     """
-    table = read_csv(directory / "slice.csv", NUMBERS)
     columns = {name: np.array(table[name]) for name in table}
     angles, orders, methods, channels = (
         list(dict.fromkeys(table[name])) for name in ("theta_i_rad", "order", "method", "channel")
@@ -42,7 +42,7 @@ def draw_slices(directory: Path) -> None:
         Line2D([], [], **_look(m, channels[0]), label=method) for m, method in enumerate(methods)
     ]
     figure.legend(handles=handles, loc="upper left", ncols=4)
-    save(figure, directory / "slice.png")
+    save(figure, path)
 
 
 def _line(axis: Any, data: dict[str, Array], method: int, channel: str) -> None:

@@ -13,10 +13,10 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.results.seal import RUN, seal
+
 Table = Mapping[str, Sequence[Any]]
 """Columns by name, all of one length."""
-
-RUN = "run.json"
 
 
 def refuse_existing(out: Path, force: bool) -> None:
@@ -51,9 +51,7 @@ def new_report(out: Path) -> Iterator[Path]:
     try:
         yield draft
         draft.chmod(0o755)
-        written = sorted(str(p.relative_to(draft)) for p in draft.rglob("*") if p.is_file())
-        run = json.loads((draft / RUN).read_text())
-        write_json(draft / RUN, run | {"files": written})
+        seal(draft)
         if out.is_dir():
             _replace(out, draft)
         else:
@@ -111,27 +109,6 @@ def not_finite(name: str, table: Table) -> list[str]:
     return sentences
 
 
-def read_csv(path: Path, numbers: Sequence[str]) -> dict[str, list[Any]]:
-    """Columns by name, those of `numbers` as floats; more columns than asked for are taken too.
-
-    Raises click.ClickException for a file that is not such a table.
-    """
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-        header, body = rows[0], rows[1:]
-        table: dict[str, list[Any]] = {
-            name: list(column) for name, column in zip(header, zip(*body, strict=True), strict=True)
-        }
-        for name in numbers:
-            table[name] = [float(x) for x in table[name]]
-    except (OSError, ValueError, IndexError, KeyError, UnicodeDecodeError) as error:
-        raise click.ClickException(
-            f"{path} is not a table of this program with the columns {', '.join(numbers)}: {error}."
-        ) from None
-    return table
-
-
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write a JSON object."""
     path.write_text(json_text(content, indent=1) + "\n", encoding="utf-8")
@@ -148,14 +125,3 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(v) for v in value]
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def read_run(directory: Path) -> dict[str, Any]:
-    """The run.json of a report; click.ClickException if there is none."""
-    path = directory / RUN
-    try:
-        run: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        run["command"], run["options"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise click.ClickException(f"{directory} is not a report: {path}: {error}.") from None
-    return run

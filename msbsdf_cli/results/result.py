@@ -1,23 +1,20 @@
 """Results that hold the sums they came from, so that they merge, save and load."""
 
-import json
-import os
-import tempfile
-import zlib
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
-from msbsdf_cli import __version__
+from msbsdf_cli.results import npz
+from msbsdf_cli.results.lobes import Lobes, lobes_of, order_names
 from msbsdf_cli.statistics.tally import Estimate, Tally
 from surfaces.facet import Array
 
-FORMAT = "msbsdf result 1"
+FORMAT = "result of msbsdf 1"
 
 
 @dataclass(frozen=True)
@@ -95,30 +92,23 @@ class Result:
             total.merge(part.as_unit())
         return total
 
+    def lobes(self) -> Lobes:
+        """The light that left, with standard errors, as `compare` and the plots take it."""
+        x, y, z = self.settings["wi"]
+        theta, phi = math.acos(min(z, 1)), math.atan2(y, x)
+        transmits = bool(self.energy[:, 1].any())
+        return lobes_of(self.kind, (theta,), phi, transmits, [self._tally])
+
     def save(self, path: str | Path) -> None:
         """Write the sums to an .npz file, whole or not at all; a file that is there is replaced."""
-        path = Path(path)
-        about: dict[str, Any] = {"format": FORMAT, "version": __version__, "kind": self.kind}
-        about |= {"settings": self.settings, "seeds": self.seeds, "facets": self.facets}
-        with tempfile.NamedTemporaryFile(
-            dir=path.absolute().parent, prefix=f".{path.name}-", delete=False
-        ) as file:
-            try:
-                np.savez_compressed(
-                    file, about=np.array(json.dumps(about)), sums=self.sums, rays=self.rays
-                )
-                file.close()
-                os.replace(file.name, path)
-            except BaseException:
-                os.unlink(file.name)
-                raise
+        about = {name: getattr(self, name) for name in ("kind", "settings", "seeds", "facets")}
+        npz.write(path, FORMAT, about, {"sums": self.sums, "rays": self.rays})
 
     def to_columns(self) -> dict[str, list[Any]]:
         """Energies as columns of order, side, energy and standard error, for tables elsewhere."""
-        names = [*map(str, range(1, self.orders + 1)), f">{self.orders}"]
         rows = [
             (order, side, float(self.energy[k, s]), float(self.energy_stderr[k, s]))
-            for k, order in enumerate(names)
+            for k, order in enumerate(order_names(self.orders))
             for s, side in enumerate(("reflected", "transmitted"))
         ]
         header = ("order", "side", "energy", "stderr")
@@ -129,21 +119,16 @@ class Result:
 
 def load(path: str | Path) -> Result:
     """A result that `Result.save` wrote. Raises ValueError for a file that is none."""
+    about, arrays = npz.read(path, FORMAT)
     try:
-        # Opened here, so that it is closed whatever numpy makes of it.
-        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
-            about = json.loads(str(file["about"]))
-            sums, rays = file["sums"], file["rays"]
-        if about["format"] != FORMAT:
-            raise ValueError(f"its format is {about['format']!r}")
-        result = Result(
-            about["kind"], about["settings"], tuple(about["seeds"]), sums, rays, about["facets"]
-        )
+        sums, rays = arrays["sums"], arrays["rays"]
+        known = about["kind"], about["settings"], tuple(about["seeds"])
+        result = Result(*known, sums, rays, about["facets"])
         size = Tally(result.orders).sums.shape[1]
         parts = 2 if result.kind == "walk" else len(rays)
         if sums.shape != (parts, size) or rays.shape != (parts,) or not np.isfinite(sums).all():
             raise ValueError("its sums do not fit its settings")
-    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"{path} does not hold a result of msbsdf: {error}.") from None
     return result
 

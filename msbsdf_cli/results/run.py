@@ -1,73 +1,37 @@
-"""What a run of either producer comes to, and the free paths in it."""
+"""What a run of either producer came to: sums that merge, save and load, and figures of the run."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.statistics.tally import Estimate, Tally
+from msbsdf_cli.results import npz
+from msbsdf_cli.results.free_paths import FreePaths
+from msbsdf_cli.results.lobes import Lobes, lobes_of
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 
-
-@dataclass
-class FreePaths:
-    """Distribution of the next facet's height, for directions of travel and heights of start."""
-
-    theta: tuple[float, ...]
-    """Polar angles of travel in radians."""
-    starts: tuple[float, ...]
-    """Heights of start, in standard deviations or as the height distribution has them."""
-    edges: Array
-    """Edges (bins + 1,) of the height bins."""
-    sums: Array = field(init=False)
-    """Sums over units of W x, W^2 x, W^2 x^2, (3, theta, starts, bins + 1), where x is the share of
-    rays in a bin, the last bin for those that escaped, and W the weight of the unit."""
-    weights: Array = field(init=False)
-    """Sums over units of W and W^2, (2, theta, starts)."""
-    units: Array = field(init=False)
-    """Units with a weight, (theta, starts)."""
-    rays: int = 0
-    """Rays of each row."""
-
-    def __post_init__(self) -> None:
-        rows = len(self.theta), len(self.starts)
-        self.sums = np.zeros((3, *rows, len(self.edges)))
-        self.weights = np.zeros((2, *rows))
-        self.units = np.zeros(rows, int)
-
-    def add_unit(self, share: Array, weight: Array, rays: int) -> None:
-        """Take in one unit: shares (theta, starts, bins + 1) of `rays` rays a row, and weights
-        (theta, starts), in proportion to the points that the rays stand for; 0 where none."""
-        w = weight[..., None]
-        self.sums += w * share, w**2 * share, w**2 * share**2
-        self.weights += weight, weight**2
-        self.units += weight > 0
-        self.rays += rays
-
-    def estimate(self) -> Estimate:
-        """Probabilities (theta, starts, bins + 1) and standard errors, those of a ratio of means;
-        not a number for rows with fewer than two units."""
-        first, linear, square = self.sums
-        total, total2 = self.weights[..., None]
-        units = self.units[..., None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            mean = first / total
-            spread = np.maximum(square - 2 * mean * linear + mean**2 * total2, 0) / total**2
-            stderr = np.sqrt(spread * units / (units - 1) + 1 / self.rays**2)
-        return Estimate(mean, np.where(units > 1, stderr, np.nan))
+FORMAT = "run of msbsdf 1"
 
 
 @dataclass
-class Outcome:
-    """Tallies, one for each incident angle, free paths, and how the run went."""
+class Run:
+    """Tallies, one for each incident angle of a scene, free paths, and how the run went."""
 
+    kind: str
+    """`simulate` or `walk`."""
+    scene: Scene
     tallies: list[Tally]
     free_paths: FreePaths
+    heights: str
+    """Distribution of heights that the free paths are of."""
+    lobe_groups: Array | None = None
+    """Energies of independent groups of surfaces, (theta, group, order, side, merged bin)."""
     wall_s: float = 0.0
     notes: dict[str, float] = field(default_factory=dict)
     """Figures of the run worth keeping beside the results."""
-    warnings: list[str] = field(default_factory=list)
-    lobe_groups: Array | None = None
-    """Lobes of groups of surfaces, energies (theta, group, order, side, merged bin)."""
 
     @property
     def paths(self) -> int:
@@ -78,3 +42,56 @@ class Outcome:
     def bounces_mean(self) -> float:
         """Facets hit by a ray or walk, in the mean."""
         return sum(tally.facets for tally in self.tallies) / self.paths
+
+    def lobes(self) -> Lobes:
+        """The light that left, with standard errors."""
+        scene, transmits = self.scene, self.scene.material.transmits
+        light = self.tallies, self.lobe_groups, self.free_paths
+        return lobes_of(self.kind, scene.theta, scene.phi, transmits, *light)
+
+    def save(self, path: str | Path) -> None:
+        """Write the sums to an .npz file."""
+        paths = self.free_paths
+        counts = [[getattr(t, name) for name in COUNTS] for t in self.tallies]
+        about = {name: getattr(self, name) for name in ("kind", "heights", "wall_s", "notes")}
+        about |= {"scene": self.scene.settings(), "rays": paths.rays}
+        about |= {"free_path_theta": paths.theta, "free_path_starts": paths.starts}
+        arrays = {f"free_path_{name}": getattr(paths, name) for name in FREE_PATH}
+        arrays["counts"] = np.array(counts, np.int64)
+        arrays["sums"] = np.array([[*t.sums, t.systematic] for t in self.tallies])
+        if self.lobe_groups is not None:
+            arrays["lobe_groups"] = self.lobe_groups
+        npz.write(path, FORMAT, about, arrays)
+
+
+COUNTS = ("units", "rays", "facets")
+FREE_PATH = ("edges", "sums", "weights", "units")
+
+
+def load_run(path: str | Path) -> Run:
+    """A run that `Run.save` wrote. Raises ValueError for a file that holds none."""
+    about, arrays = npz.read(path, FORMAT)
+    try:
+        return _run(about, arrays)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise ValueError(f"{path} does not hold a run: {error}.") from None
+
+
+def _run(about: dict[str, Any], arrays: dict[str, Array]) -> Run:
+    scene = Scene.of(about["scene"])
+    tallies = []
+    for counts, sums in zip(arrays["counts"], arrays["sums"], strict=True):
+        tally = Tally(scene.orders)
+        tally.sums[:], tally.systematic[:] = sums[:2], sums[2]
+        tally.units, tally.rays, tally.facets = counts.tolist()
+        tallies.append(tally)
+    if len(tallies) != len(scene.theta):
+        raise ValueError("its sums do not fit its scene")
+    paths = FreePaths(
+        tuple(about["free_path_theta"]), tuple(about["free_path_starts"]), arrays["free_path_edges"]
+    )
+    for name in FREE_PATH[1:]:
+        getattr(paths, name)[:] = arrays[f"free_path_{name}"]
+    paths.rays = int(about["rays"])
+    light = about["kind"], scene, tallies, paths, about["heights"], arrays.get("lobe_groups")
+    return Run(*light, about["wall_s"], about["notes"])

@@ -1,91 +1,66 @@
 """The tables of a run, as columns."""
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 from msbsdf_cli.results.directory import Table
-from msbsdf_cli.results.run import FreePaths, Outcome
-from msbsdf_cli.scene import Scene
-from msbsdf_cli.statistics.tally import (
-    MOMENTS,
-    PHI_BINS,
-    SIDES,
-    Estimate,
-    lobe_axes,
-    sequence_names,
-)
+from msbsdf_cli.results.lobes import Lobes
+from msbsdf_cli.results.run import Run
+from msbsdf_cli.statistics.tally import MOMENTS, PHI_BINS, SIDES, lobe_axes, sequence_names
 from surfaces.facet import Array
 
-
-def order_names(orders: int) -> list[str]:
-    """`1`, `2`, ..., `K`, `>K`."""
-    return [*map(str, range(1, orders + 1)), f">{orders}"]
+PLACE = ("theta_i_rad", "phi_i_rad", "order", "side")
 
 
-def _columns(*names: str) -> dict[str, list[float | str]]:
-    return {name: [] for name in names}
+def from_rows(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
+    """Columns by name from rows, which may be none."""
+    columns = list(zip(*rows, strict=True)) or [()] * len(names)
+    return {name: list(column) for name, column in zip(names, columns, strict=True)}
 
 
-def _append(table: dict[str, list[float | str]], *row: float | str) -> None:
-    for column, value in zip(table.values(), row, strict=True):
-        column.append(value)
+def _places(lobes: Lobes) -> Iterator[tuple[tuple[int, int, int], tuple[Any, ...]]]:
+    """Each incident angle, order and side: its place in arrays, and what stands for it in rows."""
+    for i, theta in enumerate(lobes.theta):
+        for k, order in enumerate(lobes.names):
+            for s, side in enumerate(lobes.sides):
+                yield (i, k, s), (theta, lobes.phi, order, side)
 
 
-def _sides(scene: Scene) -> tuple[str, ...]:
-    return SIDES if scene.material.transmits else SIDES[:1]
-
-
-def _short(values: Array) -> list[float]:
-    """The digits of a single-precision number, which halves the longest table."""
-    return [float(f"{v:.9g}") for v in values]
-
-
-ENERGY = ("theta_i_rad", "phi_i_rad", "order", "side", "energy", "stderr")
-
-
-def energy(scene: Scene, outcome: Outcome) -> Table:
-    """energy.csv of a producer."""
-    rest = [
-        {name: tally.estimate(name) for name in ("absorbed", "unresolved")}
-        for tally in outcome.tallies
+def energy(lobes: Lobes) -> Table:
+    """energy.csv"""
+    rows = [
+        (*words, float(lobes.energy.value[place]), float(lobes.energy.stderr[place]))
+        for place, words in _places(lobes)
     ]
-    return energy_table(scene, [tally.estimate("energy") for tally in outcome.tallies], rest)
+    for name, total in lobes.rest.items():
+        for theta, value, stderr in zip(lobes.theta, total.value, total.stderr, strict=True):
+            rows.append((theta, lobes.phi, "all", name, float(value), float(stderr)))
+    return from_rows((*PLACE, "energy", "stderr"), rows)
 
 
-def energy_table(scene: Scene, energies: list[Estimate], rest: list[dict[str, Estimate]]) -> Table:
-    """energy.csv, from energies (order, side) and what else became of the light, for each
-    incident angle."""
-    table = _columns(*ENERGY)
-    for theta, estimate, others in zip(scene.theta, energies, rest, strict=True):
-        for row, order in enumerate(order_names(scene.orders)):
-            for column, side in enumerate(_sides(scene)):
-                value, stderr = estimate.value[row, column], estimate.stderr[row, column]
-                _append(table, theta, scene.phi, order, side, float(value), float(stderr))
-        for name, total in others.items():
-            _append(table, theta, scene.phi, "all", name, float(total.value), float(total.stderr))
-    return table
-
-
-def moments(scene: Scene, outcome: Outcome) -> Table:
-    """moments.csv"""
-    names = [f"mean_{m}" for m in MOMENTS] + [f"stderr_{m}" for m in MOMENTS]
-    table = _columns("theta_i_rad", "phi_i_rad", "order", "side", *names)
-    for theta, tally in zip(scene.theta, outcome.tallies, strict=True):
-        estimate = tally.estimate("moments")
-        for row, order in enumerate(order_names(scene.orders)):
-            for column, side in enumerate(_sides(scene)):
-                values = estimate.value[row, column].tolist()
-                stderrs = estimate.stderr[row, column].tolist()
-                _append(table, theta, scene.phi, order, side, *values, *stderrs)
+def lobe(lobes: Lobes) -> Table:
+    """lobe.csv, without empty bins, in the digits of single precision, which halve the table."""
+    polar, azimuth, solid_angle = lobe_axes()
+    theta_o, phi_o = (a.ravel() for a in np.meshgrid(polar, azimuth, indexing="ij"))
+    solid = np.repeat(solid_angle, PHI_BINS)
+    value, stderr = lobes.bins.value / solid, lobes.bins.stderr / solid
+    table: dict[str, list[Any]] = {name: [] for name in LOBE}
+    for place, words in _places(lobes):
+        filled = np.flatnonzero(value[place])
+        angle = math.pi - theta_o if place[-1] else theta_o
+        columns = [[word] * filled.size for word in words]
+        columns += [a[filled].tolist() for a in (angle, phi_o, solid)]
+        columns += [_short(a[place][filled]) for a in (value, stderr)]
+        for column, cells in zip(table.values(), columns, strict=True):
+            column.extend(cells)
     return table
 
 
 LOBE = (
-    "theta_i_rad",
-    "phi_i_rad",
-    "order",
-    "side",
+    *PLACE,
     "theta_o_rad",
     "phi_o_rad",
     "solid_angle_sr",
@@ -94,90 +69,63 @@ LOBE = (
 )
 
 
-def lobe(scene: Scene, outcome: Outcome) -> Table:
-    """lobe.csv of a producer."""
-    estimates = [tally.estimate("lobe") for tally in outcome.tallies]
-    solid_angle = np.repeat(lobe_axes()[2], PHI_BINS)
-    return lobe_table(
-        scene,
-        [e.value / solid_angle for e in estimates],
-        [e.stderr / solid_angle for e in estimates],
-    )
+def _short(values: Array) -> list[float]:
+    return [float(f"{v:.9g}") for v in values]
 
 
-def lobe_table(scene: Scene, density: list[Array], stderr: list[Array]) -> Table:
-    """lobe.csv, without empty bins, from arrays (order, side, bin) for each incident angle."""
-    table = _columns(*LOBE)
-    polar, azimuth, solid_angle = lobe_axes()
-    theta_o, phi_o = (a.ravel() for a in np.meshgrid(polar, azimuth, indexing="ij"))
-    solid = np.repeat(solid_angle, PHI_BINS)
-    for i, theta in enumerate(scene.theta):
-        for row, order in enumerate(order_names(scene.orders)):
-            for column, side in enumerate(_sides(scene)):
-                values = density[i][row, column]
-                filled = np.flatnonzero(values)
-                n = filled.size
-                columns = (
-                    [theta] * n,
-                    [scene.phi] * n,
-                    [order] * n,
-                    [side] * n,
-                    (theta_o if column == 0 else math.pi - theta_o)[filled].tolist(),
-                    phi_o[filled].tolist(),
-                    solid[filled].tolist(),
-                    _short(values[filled]),
-                    _short(stderr[i][row, column][filled]),
-                )
-                for name, cells in zip(table, columns, strict=True):
-                    table[name].extend(cells)
-    return table
+def moments(run: Run, lobes: Lobes) -> Table:
+    """moments.csv"""
+    estimates = [tally.estimate("moments") for tally in run.tallies]
+    rows = [
+        (*words, *estimates[i].value[k, s].tolist(), *estimates[i].stderr[k, s].tolist())
+        for (i, k, s), words in _places(lobes)
+    ]
+    return from_rows((*PLACE, *(f"{n}_{m}" for n in ("mean", "stderr") for m in MOMENTS)), rows)
 
 
-def sequence(scene: Scene, outcome: Outcome) -> Table:
+def sequence(run: Run) -> Table:
     """sequence.csv: histories that occurred."""
-    table = _columns("theta_i_rad", "phi_i_rad", "sequence", "side", "energy", "stderr")
-    for theta, tally in zip(scene.theta, outcome.tallies, strict=True):
+    rows = []
+    for theta, tally in zip(run.scene.theta, run.tallies, strict=True):
         estimate = tally.estimate("sequence")
-        for row, name in enumerate(sequence_names(scene.orders)):
-            for column, side in enumerate(SIDES):
-                value, stderr = estimate.value[row, column], estimate.stderr[row, column]
+        for k, name in enumerate(sequence_names(run.scene.orders)):
+            for s, side in enumerate(SIDES):
+                value, stderr = float(estimate.value[k, s]), float(estimate.stderr[k, s])
                 if value > 0:
-                    _append(table, theta, scene.phi, name, side, float(value), float(stderr))
-    return table
+                    rows.append((theta, run.scene.phi, name, side, value, stderr))
+    return from_rows(("theta_i_rad", "phi_i_rad", "sequence", "side", "energy", "stderr"), rows)
 
 
-def free_path(scene: Scene, free_paths: FreePaths) -> Table:
+def free_path(run: Run) -> Table:
     """free_path.csv, without rows that fewer than two surfaces had points for."""
-    table = _columns(
-        "theta_r_rad",
-        "phi_r_rad",
-        "height_start",
-        "height_low",
-        "height_high",
-        "probability",
-        "stderr",
-    )
-    estimate = free_paths.estimate()
-    low = [*free_paths.edges[:-1].tolist(), math.inf]
-    high = [*free_paths.edges[1:].tolist(), math.inf]
-    for i, theta in enumerate(free_paths.theta):
-        for j, start in enumerate(free_paths.starts):
-            if np.isnan(estimate.stderr[i, j]).any():
-                continue
-            values = estimate.value[i, j].tolist(), estimate.stderr[i, j].tolist()
-            for row in zip(low, high, *values, strict=True):
-                _append(table, theta, scene.phi, start, *row)
-    return table
+    paths = run.free_paths
+    low = [*paths.edges[:-1].tolist(), math.inf]
+    high = [*paths.edges[1:].tolist(), math.inf]
+    rows = [
+        (theta, run.scene.phi, start, *bin_)
+        for (theta, start), found in paths.rows().items()
+        for bin_ in zip(low, high, found.value.tolist(), found.stderr.tolist(), strict=True)
+    ]
+    return from_rows(FREE_PATH, rows)
 
 
-def all_tables(scene: Scene, outcome: Outcome) -> dict[str, Table]:
+FREE_PATH = (
+    "theta_r_rad",
+    "phi_r_rad",
+    "height_start",
+    "height_low",
+    "height_high",
+    "probability",
+    "stderr",
+)
+
+
+def all_tables(run: Run, lobes: Lobes) -> dict[str, Table]:
     """Every table of a run, by file name."""
     tables = {
-        "energy.csv": energy(scene, outcome),
-        "moments.csv": moments(scene, outcome),
-        "lobe.csv": lobe(scene, outcome),
-        "free_path.csv": free_path(scene, outcome.free_paths),
+        "energy.csv": energy(lobes),
+        "moments.csv": moments(run, lobes),
+        "lobe.csv": lobe(lobes),
+        "free_path.csv": free_path(run),
     }
-    if scene.material.transmits:
-        tables["sequence.csv"] = sequence(scene, outcome)
-    return tables
+    return tables | ({"sequence.csv": sequence(run)} if lobes.transmits else {})

@@ -30,7 +30,7 @@ Workers = int | Executor
 """Processes to start, or an executor: anything with `submit`."""
 
 
-def in_order(
+def map_ordered(
     work: Callable[[Job], Result], jobs: Iterable[Job], workers: Workers
 ) -> Iterator[Result]:
     """Yield work(job) for every job, in the order of the jobs, so that a sum over the results does

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from msbsdf_cli.smith.kernel import masking_shadowing
+from msbsdf_cli.smith.masking import masking_shadowing
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.visible_slopes import visible_slopes
 from surfaces.facet import Array, dot, fresnel_dielectric
@@ -30,7 +30,7 @@ def first_order_albedo(
     """
     n = wi.shape[1]
     if not material.specular:
-        return np.array([_summed(slopes, material, wi[:, [k]]) for k in range(n)])
+        return np.array([_of_lobes(slopes, material.lossless, wi[:, [k]]) for k in range(n)])
     albedo = np.empty(n)
     for start in range(0, n, DIRECTIONS_BLOCK):
         block = slice(start, start + DIRECTIONS_BLOCK)
@@ -62,7 +62,7 @@ def _passes(slopes: Slopes, wi: Array, w: Array, transmitted: bool) -> Array:
     return passes
 
 
-def _summed(slopes: Slopes, material: Material, wi: Array) -> float:
+def _of_lobes(slopes: Slopes, material: Material, wi: Array) -> float:
     """By a product rule over outgoing directions, finer towards the horizon."""
     x, weight = np.polynomial.legendre.leggauss(DIFFUSE_NODES)
     u = (1 + x) / 2

@@ -18,7 +18,7 @@ from msbsdf_cli.smith.slopes import Slopes
 from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array
 from surfaces.light import Light, append_event
-from surfaces.materials import Scatters
+from surfaces.materials import Material
 
 BLOCK = 8192
 """Lanes handled together: a dozen arrays of this length stay in a core's second-level cache,
@@ -38,7 +38,7 @@ class Lanes(Batch):
 
 def random_walk(
     slopes: Slopes,
-    material: Scatters,
+    material: Material,
     wi: Array,
     n: int,
     rng: np.random.Generator,
@@ -92,7 +92,7 @@ def flip(t: Array) -> Array:
         return -np.where(t < np.log(2), np.log(-np.expm1(-t)), np.log1p(-np.exp(-t)))
 
 
-def _arrive(slopes: Slopes, material: Scatters, wi: Array) -> Lanes:
+def _arrive(slopes: Slopes, material: Material, wi: Array) -> Lanes:
     """One lane for all: from above the surface, t = 0, towards it."""
     lanes = Lanes(d=-wi, t=np.zeros(1, wi.dtype))
     if material.absorbs:
@@ -104,7 +104,7 @@ def _arrive(slopes: Slopes, material: Scatters, wi: Array) -> Lanes:
 
 
 def _bounce(
-    slopes: Slopes, material: Scatters, lanes: Lanes, n: int, order: int, rng: np.random.Generator
+    slopes: Slopes, material: Material, lanes: Lanes, n: int, order: int, rng: np.random.Generator
 ) -> tuple[Light, Lanes]:
     """The facet of number `order`: who leaves after it, and who stays for another."""
     dtype = lanes.d.dtype.type

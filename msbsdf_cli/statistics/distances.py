@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.special import erf
 
-from msbsdf_cli.statistics.errors import jackknife
+from msbsdf_cli.statistics.jackknife import jackknife
 from surfaces.facet import Array
 from surfaces.streams import stream
 
@@ -67,7 +67,7 @@ def total_variation(
     left = np.array([model, surfaces, bias * stderr.sum() / 2])
     return Distance(
         float(_half_sum(difference[None])[0]),
-        _by_noise(_half_sum, stderr)[0],
+        _of_noise(_half_sum, stderr)[0],
         _own(difference, stderr),
         float(np.sqrt((left**2).sum())),
     )
@@ -89,7 +89,7 @@ def kolmogorov_smirnov(modelled: Histogram, simulated: Histogram) -> Distance:
     stderr = np.hypot(modelled.stderr, simulated.stderr)
     if not np.isfinite(stderr).all():
         return _unknown(found)
-    noise, spread = _by_noise(_largest_sum, stderr)
+    noise, spread = _of_noise(_largest_sum, stderr)
     square = noise**2 + spread**2
     return Distance(
         float(found[0]), noise, float(np.sqrt(max(found[0] ** 2 - square, 0))), square**0.5
@@ -109,7 +109,7 @@ def _largest_sum(difference: Array) -> Array:
     return np.abs(np.cumsum(difference, axis=1)).max(axis=1)
 
 
-def _by_noise(measure: Callable[[Array], Array], stderr: Array) -> tuple[float, float]:
+def _of_noise(measure: Callable[[Array], Array], stderr: Array) -> tuple[float, float]:
     """Mean and standard deviation of a distance of noise alone, independent between bins."""
     rng = stream(0, "noise of distances")
     values = measure(stderr * rng.standard_normal((NOISE_DRAWS, *stderr.shape)))

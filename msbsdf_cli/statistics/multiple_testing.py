@@ -1,9 +1,8 @@
 """Verdicts on many measurements at once: all of them hold together at one rate of error.
 
-Holm's procedure bounds the chance that a correct program fails anywhere by `FAMILY_ERROR`, whatever
-the dependence between the measurements. Without it, at a level of one in a thousand each, half
-of all runs of a correct program would report a failure.
-"""
+Holm's procedure bounds the probability that a correct program fails anywhere by `FAMILY_ERROR`,
+whatever the dependence between the measurements. Without it, at a level of one in a thousand each,
+half of all runs of a correct program would report a failure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from msbsdf_cli.statistics.test_statistics import ChiSquare, Evidence, Exact
+from msbsdf_cli.statistics.test_statistics import ChiSquare, Exact, TestStatistic
 from msbsdf_cli.validation.configurations import Configuration
 
 FAMILY_ERROR = 1e-3
@@ -35,7 +34,7 @@ class Finding:
     section: str
     """Of [HHdD16 impl.], or the equation of the paper."""
     configuration: Configuration
-    evidence: Evidence
+    evidence: TestStatistic
     wanted: str = HOLDS
     """`holds`, `fails as expected` where an identity is known not to hold, or `agreement` where
     the model is an approximation and nothing is judged."""
@@ -86,8 +85,8 @@ def judge(findings: Sequence[Finding], family_error: float = FAMILY_ERROR) -> li
     return [_judge(f, p, level) for f, p in zip(findings, p_values, strict=True)]
 
 
-def _p_value(evidence: Evidence) -> float | None:
-    """What is not a number has no chance to be right."""
+def _p_value(evidence: TestStatistic) -> float | None:
+    """What is not a number has no probability to be right."""
     p = evidence.p_value()
     return 0.0 if p is not None and np.isnan(p) else p
 

@@ -189,6 +189,16 @@ def merge_bins(values: Array) -> Array:
     return np.asarray(blocks.sum(axis=(1, 3)))
 
 
+def merge_sides(lobe: Array) -> Array:
+    """Energies (n,) in merged bins of both sides, from those in all bins (2, bins)."""
+    return np.concatenate([merge_bins(side.reshape(THETA_BINS, PHI_BINS)).ravel() for side in lobe])
+
+
+def merged_solid_angle() -> Array:
+    """Solid angles (n,) of the bins of `merge_sides`."""
+    return merge_sides(np.tile(np.repeat(lobe_axes()[2], PHI_BINS), (2, 1)))
+
+
 def spread_bins(values: Array) -> Array:
     """Blocks of `merge_bins` as bins (theta, phi) again, each with its block's value."""
     fine = np.repeat(np.repeat(values, MERGED, axis=0), MERGED, axis=1)

@@ -1,4 +1,5 @@
-"""What a measurement of an identity says: a figure, its error, and the chance of such a figure.
+"""What a measurement of an identity says: a figure, its error, and the probability of such a
+figure.
 
 Every kind of evidence answers the same questions: how likely is a deviation at least this large
 if the identity holds (`p_value`, None where chance plays no part), which deviation would be taken
@@ -27,7 +28,7 @@ ROUNDING = 1e-12
 """Relative rounding of a mean."""
 
 
-class Evidence(Protocol):
+class TestStatistic(Protocol):
     """A measured figure beside the expected one."""
 
     @property
@@ -53,7 +54,7 @@ class Evidence(Protocol):
         """Largest deviation that is no failure where p-values below `level` are failures."""
 
     def detectable(self, level: float) -> float:
-        """Error of the program that would have been found with the chance `FOUND`."""
+        """Error of the program that would have been found with the probability `FOUND`."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.single import phase_density
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.statistics.multiple_testing import Finding
-from msbsdf_cli.statistics.test_statistics import Evidence, Exact
+from msbsdf_cli.statistics.test_statistics import Exact, TestStatistic
 from msbsdf_cli.validation import reference
 from msbsdf_cli.validation.batches import of_batches, of_two
 from msbsdf_cli.validation.configurations import (
@@ -150,7 +150,7 @@ def first_order(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[
     wi, wo = c.i[:, 0], c.o
     closed, slack, because = _closed_form(c, rng)
     one = method.evaluate(wi, wo, max(n // BATCHES, 2), rng)
-    evidence: Evidence
+    evidence: TestStatistic
     if one.stderr[0, 0, 0] == 0:
         evidence = Exact(closed, float(one.value[0, 0, 0]), slack * closed, because)
     else:
@@ -194,7 +194,8 @@ def angles(w: Array) -> tuple[float, float]:
 
 TRIES = 64
 LIT = 0.1
-"""Cosine above which a direction of leaving is well lit: the chance to leave falls to 0 below."""
+"""Cosine above which a direction of leaving is well lit: the probability to leave falls to 0
+below."""
 
 DIFFUSE_ERROR = 1e-3
 """Relative error of the quadrature over diffuse facets where it is in doubt, at grazing."""

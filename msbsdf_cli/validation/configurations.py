@@ -8,13 +8,12 @@ import numpy as np
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.slopes import NAMES, Slopes, distribution
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Dielectric, Material, material
+from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
 ROUGHNESS = (0.05, 2.0)
 """Least and largest roughness that is drawn, along either axis."""
 
-IOR = Dielectric.ior
-"""Of all dielectrics here: the default."""
+IOR = 1.5
 
 GRAZING = 1.5
 """Polar angle of the hard directions that graze the surface."""
@@ -44,9 +43,11 @@ class Configuration:
 
     def facets(self) -> Material:
         """The facets: lossless, unless they are of a metal."""
-        if self.eta_k is not None:
-            return Conductor((self.eta_k,))
-        return material(self.material or "conductor")()
+        if self.material == "diffuse":
+            return Diffuse()
+        if self.material == "dielectric":
+            return Dielectric(IOR)
+        return Conductor(() if self.eta_k is None else (self.eta_k,))
 
     @property
     def i(self) -> Array:

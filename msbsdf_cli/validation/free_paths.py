@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy import stats
 
-from msbsdf_cli.methods.directions import exits
-from msbsdf_cli.methods.forced import forced_free_path
+from msbsdf_cli.methods.base import outgoing
+from msbsdf_cli.methods.forced_collisions import forced_free_path
 from msbsdf_cli.methods.walk import escape
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.walk import exponential, free_path
@@ -94,7 +94,7 @@ def distribution(c: Configuration, n: int, rng: np.random.Generator) -> Iterator
     shares = _density_over(edges, C1, power)
     t = HEIGHTS[c.heights].t(np.array([start]))
     if dirac:
-        closed = float(escape(t, None, exits(c.distribution(), d))[0, 0])
+        closed = float(escape(t, None, outgoing(c.distribution(), d))[0, 0])
         because = f"rounding, error of Lambda, {NODES} nodes a bin"
         yield _exact(
             "free-path density and Dirac part",
@@ -122,7 +122,7 @@ def optical_depth(c: Configuration, n: int, rng: np.random.Generator) -> Iterato
 
     Facets met less depth passed has the mean 0, and is all that rays know of a common factor in the
     lengths of free paths: it takes half the rays that a test of 40 bins would need to tell one. A
-    forced free path meets a facet as often as its chance says.
+    forced free path meets a facet as often as its probability says.
     """
     d = c.i
     area = projected_area(c, -d)
@@ -135,8 +135,11 @@ def optical_depth(c: Configuration, n: int, rng: np.random.Generator) -> Iterato
     sigma = c.distribution().sigma(d)
     t = rng.exponential(size=n)
     leaves, t_next = free_path(t, d, sigma, exponential(n, rng, np.float64))
-    forced, chance = forced_free_path(t, d, sigma, rng)
-    for name, met, facet in (("", (~leaves).astype(float), t_next), (", forced", chance, forced)):
+    forced, probability = forced_free_path(t, d, sigma, rng)
+    for name, met, facet in (
+        ("", (~leaves).astype(float), t_next),
+        (", forced", probability, forced),
+    ):
         left = np.where(met < 1, (1 - met) * t, 0)
         depth = extinction * (met * (t - facet) + left)
         slack = 10 * AREA_ERROR * float(depth.mean())

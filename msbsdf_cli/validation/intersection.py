@@ -1,9 +1,8 @@
 """Masking and shadowing from walked heights, [HHdD16 impl.] 4.1.1 to 4.1.5.
 
 A point of the surface has a height that is random, or that of the first facet met from wi; a free
-path from there leaves the surface or not. Expected chances come from Lambda as an integral over
-slopes, so that the program's Lambda, its heights and its free paths are all on trial.
-"""
+path from there leaves the surface or not. Expected probabilities come from Lambda as an integral
+over slopes, so that the program's Lambda, its heights and its free paths are all on trial."""
 
 from collections.abc import Callable, Iterator
 
@@ -23,8 +22,8 @@ BLOCK = 1 << 17
 """Trials drawn at once."""
 
 LEAST = 1_000_000
-"""Trials that tell a Lambda that is 1 % off: the chance to leave is (1 + Lambda)^-1, and such an
-error moves it by up to .0025, five standard errors and in transmission six to seven."""
+"""Trials that tell a Lambda that is 1 % off: the probability to leave is (1 + Lambda)^-1, and such
+an error moves it by up to .0025, five standard errors and in transmission six to seven."""
 
 SLACK = "error of the integral over slopes behind Lambda"
 
@@ -100,7 +99,7 @@ def _finding(
     trial: Callable[[int], Array],
     n: int,
 ) -> Finding:
-    """How often the trial comes true, against its chance."""
+    """How often the trial comes true, against its probability."""
     count = sum(int(np.count_nonzero(trial(min(BLOCK, n - start)))) for start in range(0, n, BLOCK))
     evidence = Share(min(expected, 1.0), count, n, 10 * AREA_ERROR, SLACK)
     return Finding(name, section, c, evidence)

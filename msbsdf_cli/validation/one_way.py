@@ -19,7 +19,8 @@ from msbsdf_cli.validation.configurations import Configuration, random_above
 from msbsdf_cli.validation.identity import Identity
 from msbsdf_cli.validation.reference import AREA_ERROR, big_lambda
 from surfaces.facet import Array
-from surfaces.materials import Scattered
+from surfaces.materials import Material, Scattered
+from surfaces.materials._material import Normals
 
 ORDERS = 8
 """Orders counted one by one; the later ones are one more."""
@@ -33,15 +34,12 @@ LAMBDA = "error of the integral over slopes behind Lambda"
 
 
 @dataclass(frozen=True)
-class OneWay:
+class OneWay(Material):
     """Facets that send all light along `w` (3, 1), a direction above the side it then travels in:
     all of it through them, or all of it back."""
 
     w: Array
     transmits: bool
-    name = "one-way"
-    absorbs = False
-    channels = 1
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
@@ -51,6 +49,12 @@ class OneWay:
             # The walk turns light that changes sides point-reflected.
             return Scattered(np.repeat(-self.w, n, axis=1), transmitted=np.ones(n, bool))
         return Scattered(np.repeat(self.w, n, axis=1))
+
+    def reflection(
+        self, normals: Normals, d: Array, w: Array, inside: bool = False
+    ) -> tuple[Array, Array | None]:
+        """All light goes one way, and none of it has a density."""
+        return np.zeros(np.broadcast_shapes(d.shape, w.shape)[1:]), None
 
 
 def one_way(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:

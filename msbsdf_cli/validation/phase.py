@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from msbsdf_cli.smith.kernel import scatter_density
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.statistics.test_statistics import Exact
 from msbsdf_cli.validation.batches import of_batches, of_two
@@ -26,7 +25,7 @@ BATCHES = 128
 COPPER = (1.02, 2.577)
 
 DIFFUSE_ERROR = 1e-6
-"""Of the quadrature behind diffuse facets (`_visible_normals`), over the largest value."""
+"""Of the quadrature behind diffuse facets, over the largest value; see `smith.lune`."""
 
 PAIRS = 128
 """Pairs of directions for reciprocity."""
@@ -50,7 +49,7 @@ def phase_moments(c: Configuration, n: int, rng: np.random.Generator) -> Array:
     for batch in range(BATCHES):
         w = sphere(rows, rng)
         for transmitted in (False, True) if material.transmits else (False,):
-            q = scatter_density(slopes, material, d, w, transmitted=transmitted)[0]
+            q = material.density(slopes, d, w, transmitted=transmitted)[0]
             seen = -w if transmitted else w
             sums[batch, 0] += q.mean()
             sums[batch, 1:] += (q * moments(seen)).mean(axis=1)
@@ -86,12 +85,12 @@ def reciprocity(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[
     slopes, material = c.distribution(), c.facets()
     i = np.concatenate([_unit(rng) for _ in range(PAIRS)], axis=1)
     o = np.concatenate([_unit(rng) for _ in range(PAIRS)], axis=1)
-    there = scatter_density(slopes, material, -i, o)
-    back = scatter_density(slopes, material, -o, i)
+    there = material.density(slopes, -i, o)
+    back = material.density(slopes, -o, i)
     yield _same(c, "phase function, reciprocity", there, back)
     if material.transmits:
-        there = scatter_density(slopes, material, -i, o, transmitted=True)
-        back = scatter_density(slopes, material, -o, i, inside=True, transmitted=True)
+        there = material.density(slopes, -i, o, transmitted=True)
+        back = material.density(slopes, -o, i, inside=True, transmitted=True)
         yield _same(c, "phase function, reciprocity through facets", there, IOR**2 * back)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from scipy import integrate
 from scipy.optimize import brentq
 
-from msbsdf_cli.methods.segments import leaving_chance, meeting_chance
-from msbsdf_cli.smith.descent import slant
+from msbsdf_cli.methods.path_factors import leaving_probability, meeting_probability
+from msbsdf_cli.smith.integrated_heights import extinction_of
 from msbsdf_cli.smith.slopes import Lambda
 from msbsdf_cli.statistics.multiple_testing import FAILS_AS_EXPECTED, HOLDS, Finding
 from msbsdf_cli.statistics.test_statistics import Exact
@@ -46,7 +46,7 @@ def spherical_masking(c: Configuration, n: int, rng: np.random.Generator) -> Ite
     where = "upward" if w[2, 0] > 0 else "downward"
     evidence = Exact(expected, abs(1 / one_plus), slack, because)
     yield Finding(f"distant masking, {where}", SECTION + "2-4", c, evidence)
-    short = float(1 / slant(-w, c.distribution().sigma(-w))[0])
+    short = float(1 / extinction_of(-w, c.distribution().sigma(-w))[0])
     evidence = Exact(expected, short, INTEGRAL_ERROR * expected, "integral over slopes")
     yield Finding(f"distant masking as used, {where}", SECTION + "3", c, evidence)
 
@@ -79,16 +79,16 @@ def correlated(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[F
     if min(abs(c.i[2, 0]), c.o[2, 0]) < LEVEL or projected_area(c, c.i) < SEEN:
         return
     slopes, d, o = c.distribution(), -c.i, c.o
-    # Arriving along d there are L of them in t, leaving along o the chance is exp(-Lambda t).
+    # Arriving along d there are L of them in t, leaving along o the probability is exp(-Lambda t).
     L = projected_area(c, c.i) / abs(float(d[2, 0]))
     Lambda_o = projected_area(c, -o) / float(o[2, 0])
-    ours_L, ours_o = slant(d, slopes.sigma(d)), slant(o, slopes.sigma(o))
+    ours_L, ours_o = extinction_of(d, slopes.sigma(d)), extinction_of(o, slopes.sigma(o))
     arrive = "from above" if c.i[2, 0] > 0 else "from below"
     for through, beyond in ((False, ""), (True, ", transmission")):
         last = _over_heights(L, Lambda_o, through)
         middle = 1 / L - last
-        leaving = leaving_chance(ours_L, o, ours_o, through, True) / ours_L
-        meeting = meeting_chance(ours_L, o, ours_o, through, True) / ours_L
+        leaving = leaving_probability(ours_L, o, ours_o, through, True) / ours_L
+        meeting = meeting_probability(ours_L, o, ours_o, through, True) / ours_L
         for name, number, value, expected in (
             ("last bounce", "5-13", leaving, last),
             ("middle bounce", "14-17", meeting, middle),
@@ -97,7 +97,9 @@ def correlated(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[F
             evidence = Exact(expected, float(value[0]), slack, "integrals over heights and slopes")
             name = f"masking-shadowing {arrive}, {name}{beyond}"
             yield Finding(name, SECTION + number, c, evidence)
-    down = meeting_chance(ours_L, -o, slant(-o, slopes.sigma(-o)), False, True) / ours_L
+    down = (
+        meeting_probability(ours_L, -o, extinction_of(-o, slopes.sigma(-o)), False, True) / ours_L
+    )
     evidence = Exact(1 / L, float(down[0]), INTEGRAL_ERROR / L, "integral over slopes")
     yield Finding(f"masking-shadowing {arrive}, downward", SECTION + "14", c, evidence)
 
@@ -156,12 +158,13 @@ def segment_terms(c: Configuration, n: int, rng: np.random.Generator) -> Iterato
 
 
 def _path(slopes: object, directions: list[Array], correlated: bool) -> float:
-    """Product of the chances along directions of travel (3, 1), each over L of the one before."""
+    """Product of the probabilities along directions of travel (3, 1), each over L of the one
+    before."""
     product = 1.0
-    L = [slant(d, slopes.sigma(d)) for d in directions]  # type: ignore[attr-defined]
+    L = [extinction_of(d, slopes.sigma(d)) for d in directions]  # type: ignore[attr-defined]
     for k in range(1, len(directions)):
-        chance = leaving_chance if k == len(directions) - 1 else meeting_chance
-        after = chance(L[k - 1], directions[k], L[k], False, correlated) / L[k - 1]
+        probability = leaving_probability if k == len(directions) - 1 else meeting_probability
+        after = probability(L[k - 1], directions[k], L[k], False, correlated) / L[k - 1]
         product *= float(after[0])
     return product
 

@@ -9,7 +9,7 @@ from numpy.random import Generator
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.multiple_testing import FAILS_AS_EXPECTED, Finding
-from msbsdf_cli.statistics.test_statistics import Evidence, Exact
+from msbsdf_cli.statistics.test_statistics import Exact, TestStatistic
 from msbsdf_cli.validation.batches import of_two
 from msbsdf_cli.validation.bsdf import LIT, ORDERS, angles, drawn, hard, made
 from msbsdf_cli.validation.configurations import IOR, Configuration
@@ -76,7 +76,7 @@ def _after_second(c: Configuration, material: Material, w: Array, rng: Generator
     return np.concatenate([np.empty((3, 0)), *second], axis=1)
 
 
-def _evidence(c: Configuration, one: Array, two: Array) -> Evidence:
+def _evidence(c: Configuration, one: Array, two: Array) -> TestStatistic:
     slack, because = ROUNDING, "rounding"
     if c.material == "diffuse":
         slack, because = QUADRATURE_ERROR, "quadrature over diffuse facets"

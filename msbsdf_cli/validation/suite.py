@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.run.executors import Progress, map_ordered
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.validation import (
     bsdf,
@@ -83,7 +83,7 @@ def measure(
     cost = [IDENTITIES[job.number].cost for job in jobs]
     findings: list[Finding] = []
     with Progress("validate", sum(cost), "configurations", quiet) as progress:
-        for some, amount in zip(in_order(run, jobs, threads), cost, strict=True):
+        for some, amount in zip(map_ordered(run, jobs, threads), cost, strict=True):
             findings += some
             progress.advance(amount)
     return Suite(findings, sum(job.samples for job in jobs), time.monotonic() - started)

@@ -1,14 +1,13 @@
-"""Mirrors and metals."""
+"""Metals and perfect mirrors."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 
 from surfaces.facet import Array, absorptance_conductor, dot, reflect
-from surfaces.materials._material import Material, Scattered, Slopes, reflection_density
-from surfaces.metals import GREEN, METALS
+from surfaces.materials._material import Material, Normals, Scattered, half_vector_reflection
+from surfaces.materials._metals import GREEN, METALS
 
 MOST_INDEX = 1e4
 """Indices of metals grow with the root of the wavelength (Hagen and Rubens): copper has some 1300
@@ -25,35 +24,34 @@ class Conductor(Material):
     """
 
     eta_k: tuple[tuple[float, float], ...] = ()
-    name = "conductor"
-    options = ("metal", "eta_k")
-    turns_down = False  # A mirror always raises d_z.
+    options = ("metal", "eta_k", "rgb")
 
     def __post_init__(self) -> None:
         for pair in self.eta_k:
             n, k = pair if len(pair) == 2 else (np.nan, np.nan)
             if not (0 < n <= MOST_INDEX and 0 <= k <= MOST_INDEX):
                 raise ValueError(
-                    f"{pair} is not the index n, k of a metal: n above 0 and k from 0, both at "
-                    f"most {MOST_INDEX:g}."
+                    f"{','.join(f'{x:g}' for x in pair)} is not a metal's index: N above 0, K 0 or "
+                    f"more, both at most {MOST_INDEX:g}."
                 )
 
     @classmethod
-    def named(cls, metal: str, rgb: bool = False) -> Self:
+    def named(cls, metal: str, rgb: bool = False) -> "Conductor":
         """A metal of `METALS` at 549 nm, or in red, green and blue; ValueError for any other."""
         if metal not in METALS:
             raise ValueError(f"{metal!r} is not a metal known here: one of {', '.join(METALS)}.")
         return cls(METALS[metal] if rgb else METALS[metal][GREEN : GREEN + 1])
 
     @classmethod
-    def from_options(cls, options: Mapping[str, Any]) -> Self:
-        """A mirror, a metal by name, in colour where `rgb` is on, or one of given n,k[,n,k...]."""
-        metal, given = options["metal"], tuple(options["eta_k"] or ())
-        if metal is not None and given:
-            raise ValueError("--metal and --eta-k both give the metal's index; give one of them.")
+    def of(cls, **options: Any) -> Self:
+        metal, numbers = options["metal"], options["eta_k"] or ()
+        if metal is not None and numbers:
+            raise ValueError("both give the metal's index; give one of them.")
         if metal is not None:
-            return cls.named(metal, options.get("rgb", False))
-        return cls(tuple(given[i : i + 2] for i in range(0, len(given), 2)))
+            return cls(cls.named(metal, bool(options["rgb"])).eta_k)
+        if len(numbers) % 2:
+            raise ValueError(f"{','.join(f'{x:g}' for x in numbers)} are not pairs N,K.")
+        return cls(tuple(zip(numbers[::2], numbers[1::2], strict=True)))
 
     @property
     def absorbs(self) -> bool:
@@ -63,15 +61,17 @@ class Conductor(Material):
     def channels(self) -> int:
         return max(len(self.eta_k), 1)
 
-    def fresnel(self, cos_i: Array) -> Array:
-        """Reflectance (channels, n) for cosines (n,) of incidence.
+    @property
+    def lossless(self) -> "Conductor":
+        return Conductor()
 
-        In double precision always: what was absorbed is what a weight lacks of 1.
-        """
+    def reflectance(self, cos_i: Array, inside: bool = False) -> Array:
+        """In double precision always: what was absorbed is what a weight lacks of 1."""
         if not self.absorbs:
-            return np.ones((1, cos_i.size))
+            return super().reflectance(cos_i)
         eta, k = np.array(self.eta_k, cos_i.dtype).T[..., None]
-        return 1 - absorptance_conductor(cos_i, eta, k).astype(float, copy=False)
+        kept = 1 - absorptance_conductor(cos_i.ravel(), eta, k).astype(float, copy=False)
+        return kept.reshape(self.channels, *cos_i.shape)
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
@@ -79,12 +79,10 @@ class Conductor(Material):
         if not self.absorbs:
             return Scattered(reflect(d, m))
         cos_i = np.abs(dot(d, m)) / np.sqrt(dot(m, m))
-        return Scattered(reflect(d, m), gain=self.fresnel(cos_i))
+        return Scattered(reflect(d, m), gain=self.reflectance(cos_i))
 
-    def density(
-        self, slopes: Slopes, d: Array, w: Array, inside: bool = False, transmitted: bool = False
+    def reflection(
+        self, normals: Normals, d: Array, w: Array, inside: bool = False
     ) -> tuple[Array, Array | None]:
-        density, cos_i = reflection_density(slopes, d, w)
-        if not self.absorbs:
-            return density, None
-        return density, self.fresnel(cos_i.ravel()).reshape(self.channels, *cos_i.shape)
+        density, cos_i = half_vector_reflection(normals, d, w)
+        return density, self.reflectance(cos_i) if self.absorbs else None

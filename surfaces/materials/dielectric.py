@@ -1,4 +1,4 @@
-"""Smooth interfaces of two transparent media."""
+"""Smooth interfaces between two transparent media."""
 
 from dataclasses import dataclass
 
@@ -7,10 +7,10 @@ import numpy as np
 from surfaces.facet import Array, dot, fresnel_dielectric
 from surfaces.materials._material import (
     Material,
+    Normals,
     Scattered,
-    Slopes,
-    density_of_normals,
-    reflection_density,
+    density_of_half_vectors,
+    half_vector_reflection,
 )
 
 
@@ -23,20 +23,12 @@ class Dielectric(Material):
     """
 
     ior: float = 1.5
-    name = "dielectric"
+    options = ("ior",)
     transmits = True
 
     def __post_init__(self) -> None:
         if not 0 < self.ior < np.inf:
             raise ValueError(f"ior is {self.ior}: an index ratio is a finite number above 0.")
-
-    @property
-    def bend(self) -> float:
-        """Refraction from index 1 to n > 1, or back, turns light by 1 - 1 / n of a small angle."""
-        return 1 - min(self.ior, 1 / self.ior)
-
-    def fresnel(self, cos_i: Array) -> Array:
-        return fresnel_dielectric(cos_i, self.ior)[0][None]
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
@@ -55,27 +47,27 @@ class Dielectric(Material):
         along_m = np.where(transmitted, cos_i * inverse - cos_t, 2 * cos_i)
         return Scattered(scale * d + along_m * m, transmitted=transmitted)
 
-    def density(
-        self, slopes: Slopes, d: Array, w: Array, inside: bool = False, transmitted: bool = False
+    def reflectance(self, cos_i: Array, inside: bool = False) -> Array:
+        return fresnel_dielectric(cos_i, self.relative_ior(inside))[0][None]
+
+    def reflection(
+        self, normals: Normals, d: Array, w: Array, inside: bool = False
     ) -> tuple[Array, Array | None]:
+        density, cos_i = half_vector_reflection(normals, d, w)
+        return density * self.reflectance(cos_i, inside)[0], None
+
+    def refraction(self, normals: Normals, d: Array, w: Array, inside: bool = False) -> Array:
+        """In the frame of the far side the normal of [HHdD16] Eq. 35, -(i + eta o), is d + eta w,
+        or its opposite where the medium beyond is the thinner; its length is
+        |eta_i (i . h) + eta_o (o . h)|.
+        """
         eta = self.relative_ior(inside)
-        if transmitted:
-            return refraction_density(slopes, eta, d, w), None
-        density, cos_i = reflection_density(slopes, d, w)
-        return density * fresnel_dielectric(cos_i, eta)[0], None
-
-
-def refraction_density(slopes: Slopes, eta: float, d: Array, w: Array) -> Array:
-    """q of facets that refract, (...): `d` on the side of arrival, `w` point-reflected beyond.
-
-    In that frame the normal of [HHdD16] Eq. 35, -(i + eta o), is d + eta w, or its opposite
-    where the medium beyond is the thinner; its length is |eta_i (i . h) + eta_o (o . h)|.
-    """
-    h = (eta * w + d) * (1 if eta > 1 else -1)
-    length = np.sqrt(dot(h, h))
-    m = h / np.maximum(length, np.finfo(h.dtype).tiny)
-    cos_i, cos_t = -dot(d, m), dot(w, m)
-    faces = (cos_i > 0) & (cos_t > 0)
-    fresnel = fresnel_dielectric(np.clip(cos_i, 0, 1), eta)[0]
-    jacobian = eta * eta * cos_i * cos_t / (length * length)
-    return np.where(faces, (1 - fresnel) * jacobian * density_of_normals(slopes, h, length), 0)
+        h = (eta * w + d) * (1 if eta > 1 else -1)
+        length = np.sqrt(dot(h, h))
+        m = h / np.maximum(length, np.finfo(h.dtype).tiny)
+        cos_i, cos_t = -dot(d, m), dot(w, m)
+        faces = (cos_i > 0) & (cos_t > 0)
+        fresnel = fresnel_dielectric(np.clip(cos_i, 0, 1), eta)[0]
+        jacobian = eta * eta * cos_i * cos_t / (length * length)
+        density = density_of_half_vectors(normals, h, length)
+        return np.where(faces, (1 - fresnel) * jacobian * density, 0)

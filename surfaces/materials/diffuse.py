@@ -1,12 +1,13 @@
-"""Diffuse facets."""
+"""Lambertian facets."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from surfaces.facet import Array, dot, lambertian
-from surfaces.materials._material import Material, Scattered, Slopes
-from surfaces.materials._visible_normals import lambertian_density
+from surfaces.materials._material import Material, Normals, Scattered
+from surfaces.materials._visible_facets import lambertian_density
 
 QUADRATURE_BLOCK = 64
 """Directions integrated over at once: a few thousand slopes for each of them."""
@@ -20,9 +21,8 @@ class Diffuse(Material):
     """
 
     albedo: tuple[float, ...] | float = (1.0,)
-    name = "diffuse"
+    options = ("albedo",)
     specular = False
-    lambertian = True
 
     def __post_init__(self) -> None:
         if isinstance(self.albedo, int | float):
@@ -32,7 +32,6 @@ class Diffuse(Material):
 
     @property
     def albedos(self) -> tuple[float, ...]:
-        """The albedo of each channel."""
         assert isinstance(self.albedo, tuple)
         return self.albedo
 
@@ -44,6 +43,10 @@ class Diffuse(Material):
     def channels(self) -> int:
         return len(self.albedos)
 
+    @property
+    def lossless(self) -> Self:
+        return type(self)()
+
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
     ) -> Scattered:
@@ -53,15 +56,17 @@ class Diffuse(Material):
             return Scattered(out)
         return Scattered(out, gain=np.array(self.albedos)[:, None])
 
-    def density(
-        self, slopes: Slopes, d: Array, w: Array, inside: bool = False, transmitted: bool = False
+    def lobe(self, cos_o: Array) -> Array:
+        return np.maximum(cos_o, 0) / np.pi
+
+    def reflection(
+        self, normals: Normals, d: Array, w: Array, inside: bool = False
     ) -> tuple[Array, Array | None]:
-        """By quadrature over the slopes that face both ways, without noise ([HHdD16] Eq. 17), for
-        directions (3, n) or (3, 1)."""
+        """Without noise: by quadrature over the facets that face both ways ([HHdD16] Eq. 17)."""
         n = max(d.shape[1], w.shape[1])
         d, w = np.broadcast_to(d, (3, n)), np.broadcast_to(w, (3, n))
         density = np.empty(n, w.dtype)
         for start in range(0, n, QUADRATURE_BLOCK):
             block = slice(start, start + QUADRATURE_BLOCK)
-            density[block] = lambertian_density(slopes, d[:, block], w[:, block])
+            density[block] = lambertian_density(normals, d[:, block], w[:, block])
         return density, np.array(self.albedos, density.dtype)[:, None]

@@ -1,4 +1,4 @@
-"""The command line as a user meets it, in processes of its own."""
+"""The command line as a user meets it."""
 
 import json
 import math
@@ -285,9 +285,9 @@ def test_compare_refuses_what_is_not_a_report(tmp_path):
 def test_help_imports_nothing_heavy():
     code = (
         "import sys; from click.testing import CliRunner; from msbsdf_cli.cli import group\n"
-        "for words in ([], ['--help'], ['--version'], ['walk', '--help'], ['compare', '-h'],\n"
-        "              ['simulate', '--help']):\n"
-        "    CliRunner().invoke(group, words)\n"
+        "from msbsdf_cli.cli import COMMANDS\n"
+        "for words in ([], ['--help'], ['--version'], *([name, '-h'] for name in COMMANDS)):\n"
+        "    assert CliRunner().invoke(group, words).exit_code in (0, 2)\n"
         "heavy = {'numpy', 'scipy', 'matplotlib', 'trimesh', 'embreex'} & set(sys.modules)\n"
         "sys.exit(', '.join(heavy) or 0)"
     )

@@ -74,7 +74,7 @@ def test_what_no_walk_has_found_counts_once_for_all_parts(tmp_path):
     # of 16, but not by the 16 that counting it in every part would give.
     wo = slice_directions(Scene(Conductor(), Beckmann(0.1, 0.1), (0,), 0), None, 8).wo
     walk = Walk(Beckmann(0.1, 0.1), Conductor(), 4)
-    alone = walk.unseen(np.array([0.0, 0, 1]), wo, 1600, np.random.default_rng(1))[0]
+    alone = walk.undersampling(np.array([0.0, 0, 1]), wo, 1600, np.random.default_rng(1))[0]
     assert 0.5 < np.median(few / alone) < 4
 
 

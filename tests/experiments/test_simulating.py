@@ -3,7 +3,7 @@
 import numpy as np
 
 from msbsdf_cli.experiments.realisations import Resolution, simulate
-from msbsdf_cli.results.run import FreePaths
+from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import Beckmann

@@ -5,9 +5,9 @@ import pytest
 from spheres import direction, evaluated, hemisphere, largest_z
 
 from msbsdf_cli.methods.exact import Exact
+from msbsdf_cli.methods.path_factors import leaving_probability, meeting_probability
 from msbsdf_cli.methods.position_free import PositionFreeCorrelated, PositionFreeUncorrelated
 from msbsdf_cli.methods.protocol import Evaluation
-from msbsdf_cli.methods.segments import leaving_chance, meeting_chance
 from msbsdf_cli.methods.walk import Walk
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from surfaces.materials import Conductor, Dielectric, Diffuse
@@ -97,8 +97,8 @@ def test_light_either_leaves_or_meets_another_facet(correlated, through):
     rng = np.random.default_rng(5)
     d = direction(np.pi * rng.random(200), 6 * rng.random(200))
     L, L_next = 1 + rng.exponential(2, 200), rng.exponential(2, 200)
-    leaves = leaving_chance(L, d, L_next, through, correlated)
-    meets = meeting_chance(L, d, L_next, through, correlated)
+    leaves = leaving_probability(L, d, L_next, through, correlated)
+    meets = meeting_probability(L, d, L_next, through, correlated)
     np.testing.assert_allclose(leaves + meets, 1, rtol=1e-12)
     assert (leaves[d[2] < 0] == 0).all()
 
@@ -111,6 +111,6 @@ def test_leaving_chance_is_that_of_heights_spread_by_the_last_direction():
     C1 = np.exp(-rng.exponential(1 / L, 200000))
     for through, heights in ((False, C1), (True, 1 - C1)):
         sampled = heights**Lambda
-        chance = leaving_chance(L, up, Lambda, through, correlated=True)[0]
+        chance = leaving_probability(L, up, Lambda, through, correlated=True)[0]
         assert abs(sampled.mean() - chance) < 4 * sampled.std() / np.sqrt(sampled.size)
-    assert leaving_chance(L, up, Lambda, False, correlated=False)[0] == pytest.approx(1 / 1.6)
+    assert leaving_probability(L, up, Lambda, False, correlated=False)[0] == pytest.approx(1 / 1.6)

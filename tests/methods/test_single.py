@@ -5,7 +5,7 @@ import pytest
 from spheres import direction, hemisphere, sphere
 
 from msbsdf_cli.methods.single import Single
-from msbsdf_cli.smith.kernel import masking_shadowing
+from msbsdf_cli.smith.masking import masking_shadowing
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.materials import Conductor, Dielectric, Diffuse

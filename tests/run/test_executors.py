@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from msbsdf_cli.run.executors import AHEAD, in_order
+from msbsdf_cli.run.executors import AHEAD, map_ordered
 
 
 def later_first(job):
@@ -30,12 +30,12 @@ def fail(job):
 
 @pytest.mark.parametrize("workers", [1, 2, 3])
 def test_results_come_in_the_order_of_the_jobs(workers):
-    assert list(in_order(later_first, range(12), workers)) == list(range(12))
+    assert list(map_ordered(later_first, range(12), workers)) == list(range(12))
 
 
 def test_any_executor_will_do():
     with ThreadPoolExecutor(3) as executor:
-        assert list(in_order(later_first, range(12), executor)) == list(range(12))
+        assert list(map_ordered(later_first, range(12), executor)) == list(range(12))
 
 
 def test_few_jobs_are_taken_before_their_turn():
@@ -46,7 +46,7 @@ def test_few_jobs_are_taken_before_their_turn():
             taken.append(job)
             yield job
 
-    results = in_order(later_first, jobs(), 2)
+    results = map_ordered(later_first, jobs(), 2)
     next(results)
     assert len(taken) <= AHEAD * 2 + 1
     results.close()
@@ -54,16 +54,16 @@ def test_few_jobs_are_taken_before_their_turn():
 
 def test_what_goes_wrong_is_told_and_nobody_is_left():
     with pytest.raises(RuntimeError, match="a process was killed, most likely for want of memory"):
-        list(in_order(die, range(4), 2))
+        list(map_ordered(die, range(4), 2))
     with pytest.raises(ArithmeticError, match="job 0"):
-        list(in_order(fail, range(4), 2))
+        list(map_ordered(fail, range(4), 2))
     assert multiprocessing.active_children() == []
 
 
 def test_who_stops_in_the_middle_of_large_results_waits_for_nobody():
     """A process that is killed while it writes leaves half of a result to be read."""
     for _ in range(10):
-        results = in_order(heavy, range(10_000), 2)
+        results = map_ordered(heavy, range(10_000), 2)
         for _ in range(3):
             next(results)
         started = time.monotonic()

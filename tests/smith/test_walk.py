@@ -9,7 +9,7 @@ from msbsdf_cli.smith.slopes import NAMES, Beckmann, Ggx, Lambda, distribution
 from msbsdf_cli.smith.walk import flip, free_path, random_walk
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.materials import Conductor, Dielectric, Diffuse
-from surfaces.metals import METALS
+from surfaces.materials._metals import METALS
 
 
 def run(slopes, material, theta, n=400_000, orders=4, dtype=np.float64, max_order=10_000, seed=1):

@@ -6,7 +6,7 @@ import pytest
 from msbsdf_cli.experiments.convergence import _mean
 from msbsdf_cli.experiments.evaluate import _scatter
 from msbsdf_cli.methods.estimate import Estimate
-from msbsdf_cli.results.run import FreePaths
+from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.statistics.tally import Tally
 from msbsdf_cli.validation.batches import of_batches
 

@@ -10,7 +10,7 @@ from surfaces.facet import (
     unit_circle,
 )
 from surfaces.materials import Conductor, Dielectric, Diffuse
-from surfaces.metals import METALS
+from surfaces.materials._metals import METALS
 
 
 def unit(v):
@@ -33,7 +33,7 @@ def test_fresnel_at_normal_incidence():
     assert cos_t[0] == 1
     n, k = 0.43, 2.455
     expected = ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)
-    assert Conductor(((n, k),)).fresnel(one)[0, 0] == pytest.approx(expected, rel=1e-14)
+    assert Conductor(((n, k),)).reflectance(one)[0, 0] == pytest.approx(expected, rel=1e-14)
 
 
 def test_fresnel_conductor_without_absorption_is_the_dielectric():

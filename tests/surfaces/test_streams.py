@@ -23,7 +23,7 @@ RUNS = [
     [
         *("tradeoff", "--method", "walk,exact", "--samples", "16", "--replicates", "4"),
         *("--directions", "16", "--rays", "100", *SURFACES[:4], "--realisations", "8"),
-        *("--theta", "0,1", "--claims", "--qmc"),
+        *("--theta", "0,1", "--qmc"),
     ],
 ]
 FEWER = {

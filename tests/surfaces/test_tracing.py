@@ -6,7 +6,7 @@ from msbsdf_cli.statistics.tally import Tally
 from surfaces.free_path import level_points, next_heights
 from surfaces.heightfield import all_waves, synthesise
 from surfaces.materials import Conductor, Dielectric, Diffuse
-from surfaces.metals import METALS
+from surfaces.materials._metals import METALS
 from surfaces.periodic import ESCAPED, meet, next_triangle
 from surfaces.surface import Surface
 from surfaces.tracing import Tracer, morton

@@ -1,1 +1,1 @@
-"""Every identity can fail: the formula it guards is bent, and its verdict must turn."""
+"""Every identity can fail: the formula it guards is faulty, and its verdict must turn."""

@@ -1,18 +1,18 @@
-"""Formulas bent in several tests, where they are measured, and what must come of it."""
+"""Faults put into formulas, used by several tests, and what must come of them."""
 
 from functools import cache
 
 import numpy as np
 import pytest
 
-from msbsdf_cli.methods import forced, walk
+from msbsdf_cli.methods import forced_collisions, walk
 from msbsdf_cli.methods.energy_compensated import EnergyCompensated
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.statistics.multiple_testing import judge
 from msbsdf_cli.validation import free_paths, height_walk, intersection
 from msbsdf_cli.validation.configurations import Configuration
-from surfaces.materials import _material, dielectric
+from surfaces.materials import _material
 
 ABOVE = Configuration("beckmann", (1.0, 1.0), (1.2, 0.0), (1.0, 2.0), heights="gaussian")
 DOWN = Configuration("ggx", (1.0, 0.5), (2.2, 0.3), (0.7, 2.0), heights="uniform")
@@ -22,28 +22,28 @@ ZENITH = np.array([[0.0], [0.0], [1.0]])
 
 
 @cache
-def failing(identity, configuration, samples, bend=None):
+def failing(identity, configuration, samples, fault=None):
     """Names of the findings that fail; what several perturbations ask for is measured once."""
     with pytest.MonkeyPatch.context() as patch:
-        if bend is not None:
-            bend(patch)
+        if fault is not None:
+            fault(patch)
         findings = list(identity(configuration, samples, np.random.default_rng(5)))
     return {row.finding.identity for row in judge(findings, 1e-3) if row.failed}
 
 
 def each(perturbations):
-    """A test for each of (bend, the identity that guards it, where, samples, what must fail)."""
+    """A test for each of (fault, the identity that guards it, where, samples, what must fail)."""
     return pytest.mark.parametrize(
-        ("bend", "identity", "configuration", "samples", "name"),
+        ("fault", "identity", "configuration", "samples", "name"),
         perturbations,
-        ids=[f"{bend.__name__}-{name}" for bend, _, _, _, name in perturbations],
+        ids=[f"{fault.__name__}-{name}" for fault, _, _, _, name in perturbations],
     )
 
 
-def assert_turns(bend, identity, configuration, samples, name):
-    """The identity holds, and fails when the formula is bent."""
+def assert_turns(fault, identity, configuration, samples, name):
+    """The identity holds, and fails when the formula is faulty."""
     assert name not in failing(identity, configuration, samples)
-    assert name in failing(identity, configuration, samples, bend)
+    assert name in failing(identity, configuration, samples, fault)
 
 
 def one_percent_more(function):
@@ -55,64 +55,64 @@ def bend_lambda(monkeypatch):
     for cls in (Beckmann, Ggx):
         right = cls.sigma
 
-        def bent(self, d, right=right):
+        def faulty(self, d, right=right):
             # sigma = Lambda cos upward, (1 + Lambda) cos downward.
             upward = right(self, np.where(d[2] > 0, d, -d))
             return right(self, d) + 0.01 * upward
 
-        monkeypatch.setattr(cls, "sigma", bent)
+        monkeypatch.setattr(cls, "sigma", faulty)
 
 
 def lose_sign(monkeypatch):
     """Rays down take the step of rays up."""
     right = smith_walk.free_path
 
-    def bent(t, d, sigma, E):
+    def faulty(t, d, sigma, E):
         return right(t, np.abs(d), sigma, E)
 
     for module in (intersection, free_paths, height_walk, smith_walk):
         if hasattr(module, "free_path"):
-            monkeypatch.setattr(module, "free_path", bent)
+            monkeypatch.setattr(module, "free_path", faulty)
 
 
 def long_free_paths(monkeypatch):
     """All free paths 1 % too long."""
     right = smith_walk.free_path
 
-    def bent(t, d, sigma, E):
+    def faulty(t, d, sigma, E):
         return right(t, d, sigma, 1.01 * E)
 
     for module in (intersection, free_paths, smith_walk):
-        monkeypatch.setattr(module, "free_path", bent)
+        monkeypatch.setattr(module, "free_path", faulty)
 
 
 def start_below_the_top(monkeypatch):
     """Walks that arrive at t = 1e-3 instead of 0."""
     right = smith_walk._arrive
 
-    def bent(*args):
+    def faulty(*args):
         lanes = right(*args)
         lanes.t = lanes.t + 1e-3
         return lanes
 
-    monkeypatch.setattr(smith_walk, "_arrive", bent)
+    monkeypatch.setattr(smith_walk, "_arrive", faulty)
 
 
 def next_events_on_one_side(monkeypatch):
     """Next events towards the other side of a dielectric look from the same t."""
-    for module in (walk, forced):
+    for module in (walk, forced_collisions):
         monkeypatch.setattr(module, "escape", lambda t, inside, out: walk._escape(t, out.Lambda))
 
 
 def lambda_of_masking(monkeypatch):
     """Lambda 1 % too large where masking is measured, and nowhere else."""
 
-    def bent(c, t, w, rng):
+    def faulty(c, t, w, rng):
         sigma = 1.01 * c.distribution().sigma(w)
         E = smith_walk.exponential(t.size, rng, float)
         return smith_walk.free_path(t, w, sigma, E)[0]
 
-    monkeypatch.setattr(intersection, "leaves", bent)
+    monkeypatch.setattr(intersection, "leaves", faulty)
 
 
 def flip_nothing(monkeypatch):
@@ -130,8 +130,7 @@ def half_vector_below(monkeypatch):
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return np.nan_to_num(slopes.D(h / length))
 
-    for module in (_material, dielectric):
-        monkeypatch.setattr(module, "density_of_normals", density)
+    monkeypatch.setattr(_material, "density_of_half_vectors", density)
 
 
 def normals_without_their_cosine(monkeypatch):

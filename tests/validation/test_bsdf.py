@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from msbsdf_cli.methods import single, walk
 from msbsdf_cli.methods.single import Single
-from msbsdf_cli.smith import kernel
+from msbsdf_cli.smith import masking
 from msbsdf_cli.validation import bsdf
 from validation.fault_injection import (
     GLASS,
@@ -18,12 +18,12 @@ from validation.fault_injection import (
 
 
 def masking_product(monkeypatch):
-    right = kernel.masking_shadowing
+    right = masking.masking_shadowing
 
-    def bent(slopes, wi, wo, transmitted, correlated=True):
+    def faulty(slopes, wi, wo, transmitted, correlated=True):
         return right(slopes, wi, wo, transmitted, False)
 
-    monkeypatch.setattr(single, "masking_shadowing", bent)
+    monkeypatch.setattr(single, "masking_shadowing", faulty)
 
 
 def escape_one_percent(monkeypatch):
@@ -35,11 +35,11 @@ def samples_twice(monkeypatch):
     """Samples of single scattering that forget to be weighed by shadowing."""
     right = Single.sample
 
-    def bent(self, wi, n, rng):
+    def faulty(self, wi, n, rng):
         w, weight = right(self, wi, n, rng)
         return w, (weight > 0).astype(float)
 
-    monkeypatch.setattr(Single, "sample", bent)
+    monkeypatch.setattr(Single, "sample", faulty)
 
 
 PERTURBATIONS = [
@@ -72,5 +72,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
-    assert_turns(bend, identity, configuration, samples, name)
+def test_a_faulty_formula_turns_the_verdict(fault, identity, configuration, samples, name):
+    assert_turns(fault, identity, configuration, samples, name)

@@ -1,6 +1,6 @@
 """Free paths, and heights seen along them."""
 
-from msbsdf_cli.methods import forced
+from msbsdf_cli.methods import forced_collisions
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.smith.heights import Gaussian
 from msbsdf_cli.validation import free_paths, intersection
@@ -32,20 +32,20 @@ def exponentials_off(monkeypatch):
 
 def forced_too_far(monkeypatch):
     """Forced free paths, 1 % too long."""
-    right = forced.forced_free_path
+    right = forced_collisions.forced_free_path
 
-    def bent(t, d, sigma, rng):
+    def faulty(t, d, sigma, rng):
         facet, chance = right(t, d, sigma, rng)
         return t + 1.01 * (facet - t), chance
 
-    monkeypatch.setattr(free_paths, "forced_free_path", bent)
+    monkeypatch.setattr(free_paths, "forced_free_path", faulty)
 
 
 def always_down_to_the_bottom(monkeypatch):
-    def bent(t, d, sigma, E):
+    def faulty(t, d, sigma, E):
         return E * d[2] > t * sigma, t * 0
 
-    monkeypatch.setattr(free_paths, "free_path", bent)
+    monkeypatch.setattr(free_paths, "free_path", faulty)
 
 
 PERTURBATIONS = [
@@ -68,5 +68,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
-    assert_turns(bend, identity, configuration, samples, name)
+def test_a_faulty_formula_turns_the_verdict(fault, identity, configuration, samples, name):
+    assert_turns(fault, identity, configuration, samples, name)

@@ -17,5 +17,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
-    assert_turns(bend, identity, configuration, samples, name)
+def test_a_faulty_formula_turns_the_verdict(fault, identity, configuration, samples, name):
+    assert_turns(fault, identity, configuration, samples, name)

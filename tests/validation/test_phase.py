@@ -1,8 +1,7 @@
 """Phase functions."""
 
-from msbsdf_cli.smith import kernel
 from msbsdf_cli.validation import phase
-from surfaces.materials import conductor, dielectric
+from surfaces.materials import Conductor, Dielectric
 from validation.fault_injection import (
     GLASS,
     MIRROR,
@@ -14,32 +13,32 @@ from validation.fault_injection import (
 
 
 def no_jacobian_of_reflection(monkeypatch):
-    right = conductor.reflection_density
+    right = Conductor.reflection
 
-    def bent(*args):
-        density, cos_i = right(*args)
-        return 4 * density, cos_i
+    def faulty(*args):
+        density, colour = right(*args)
+        return 4 * density, colour
 
-    monkeypatch.setattr(conductor, "reflection_density", bent)
+    monkeypatch.setattr(Conductor, "reflection", faulty)
 
 
 def no_index_in_refraction(monkeypatch):
-    right = dielectric.refraction_density
+    right = Dielectric.refraction
 
-    def bent(slopes, eta, d, w):
-        return right(slopes, eta, d, w) / eta**2
+    def faulty(self, normals, d, w, inside=False):
+        return right(self, normals, d, w, inside) / self.relative_ior(inside) ** 2
 
-    monkeypatch.setattr(dielectric, "refraction_density", bent)
+    monkeypatch.setattr(Dielectric, "refraction", faulty)
 
 
 def unlike_phase(monkeypatch):
-    """A facet's share of light depends on which way it goes, as Fresnel's must not."""
-    right = kernel.scatter_density
+    """What a facet sends depends on which way it goes, as Fresnel's law must not."""
+    right = Conductor.density
 
-    def bent(slopes, material, d, w, *args, **kwargs):
-        return right(slopes, material, d, w, *args, **kwargs) * (1 + 1e-6 * d[2])
+    def faulty(self, normals, d, w, *args, **kwargs):
+        return right(self, normals, d, w, *args, **kwargs) * (1 + 1e-6 * d[2])
 
-    monkeypatch.setattr(phase, "scatter_density", bent)
+    monkeypatch.setattr(Conductor, "density", faulty)
 
 
 PERTURBATIONS = [
@@ -71,5 +70,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
-    assert_turns(bend, identity, configuration, samples, name)
+def test_a_faulty_formula_turns_the_verdict(fault, identity, configuration, samples, name):
+    assert_turns(fault, identity, configuration, samples, name)

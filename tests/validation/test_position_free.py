@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from msbsdf_cli.methods import segments
+from msbsdf_cli.methods import path_factors
 from msbsdf_cli.smith import slopes
 from msbsdf_cli.validation import position_free
 from validation.fault_injection import (
@@ -16,8 +16,8 @@ from validation.fault_injection import (
 
 
 def chances_off(monkeypatch):
-    for name in ("leaving_chance", "meeting_chance"):
-        monkeypatch.setattr(position_free, name, one_percent_more(getattr(segments, name)))
+    for name in ("leaving_probability", "meeting_probability"):
+        monkeypatch.setattr(position_free, name, one_percent_more(getattr(path_factors, name)))
 
 
 def lambda_below(monkeypatch):
@@ -53,5 +53,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
-    assert_turns(bend, identity, configuration, samples, name)
+def test_a_faulty_formula_turns_the_verdict(fault, identity, configuration, samples, name):
+    assert_turns(fault, identity, configuration, samples, name)

@@ -19,19 +19,19 @@ FAMILY = 1000
 
 
 @cache
-def failing(section, bend=None):
+def failing(section, fault=None):
     """What fails of a section's share in a quick run: identities and methods."""
     of_section = [i for i in IDENTITIES if i.measure.__module__.endswith(f".{section}")]
     with pytest.MonkeyPatch.context() as patch:
-        if bend is not None:
-            bend(patch)
+        if fault is not None:
+            fault(patch)
         findings = [f for job in plan(QUICK_SAMPLES, 0, True, of_section) for f in run(job)]
     rows = judge(findings, FAMILY_ERROR * len(findings) / FAMILY)
     return {(row.finding.identity, row.finding.configuration.method) for row in rows if row.failed}
 
 
 @pytest.mark.parametrize(
-    ("bend", "section", "method"),
+    ("fault", "section", "method"),
     [
         (long_free_paths, "free_paths", ""),
         (long_free_paths, "one_way", ""),
@@ -41,6 +41,6 @@ def failing(section, bend=None):
         (lambda_of_masking, "intersection", ""),
     ],
 )
-def test_a_quick_run_sees(bend, section, method):
+def test_a_quick_run_sees(fault, section, method):
     assert not failing(section)
-    assert method in {of for _, of in failing(section, bend)}
+    assert method in {of for _, of in failing(section, fault)}

@@ -10,21 +10,21 @@ from validation.fault_injection import MIRROR, assert_turns, each, lobe_off
 def correlated_for_uncorrelated(monkeypatch):
     right = PositionFree.__init__
 
-    def bent(self, *args, **kwargs):
+    def faulty(self, *args, **kwargs):
         right(self, *args, **kwargs)
         self.correlated = True
 
-    monkeypatch.setattr(PositionFree, "__init__", bent)
+    monkeypatch.setattr(PositionFree, "__init__", faulty)
 
 
 def uncorrelated_for_correlated(monkeypatch):
     right = PositionFree.__init__
 
-    def bent(self, *args, **kwargs):
+    def faulty(self, *args, **kwargs):
         right(self, *args, **kwargs)
         self.correlated = False
 
-    monkeypatch.setattr(PositionFree, "__init__", bent)
+    monkeypatch.setattr(PositionFree, "__init__", faulty)
 
 
 PERTURBATIONS = [
@@ -67,5 +67,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
-    assert_turns(bend, identity, configuration, samples, name)
+def test_a_faulty_formula_turns_the_verdict(fault, identity, configuration, samples, name):
+    assert_turns(fault, identity, configuration, samples, name)

@@ -13,22 +13,22 @@ def unbalanced(monkeypatch):
     """Energies that a solution forgets to normalise."""
     right = Solve.energy
 
-    def bent(self, wi):
+    def faulty(self, wi):
         found = right(self, wi)
         return replace(found, reflected=1.001 * found.reflected)
 
-    monkeypatch.setattr(Solve, "energy", bent)
+    monkeypatch.setattr(Solve, "energy", faulty)
 
 
 def one_way(monkeypatch):
     """Values that depend on where light comes from."""
     right = Solve.evaluate
 
-    def bent(self, wi, wo, *args):
+    def faulty(self, wi, wo, *args):
         found = right(self, wi, wo, *args)
         return replace(found, value=found.value * (1 + 1e-3 * wi[2]))
 
-    monkeypatch.setattr(Solve, "evaluate", bent)
+    monkeypatch.setattr(Solve, "evaluate", faulty)
 
 
 PERTURBATIONS = [
@@ -46,5 +46,5 @@ PERTURBATIONS = [
 
 
 @each(PERTURBATIONS)
-def test_a_bent_formula_turns_the_verdict(bend, identity, configuration, samples, name):
-    assert_turns(bend, identity, configuration, samples, name)
+def test_a_faulty_formula_turns_the_verdict(fault, identity, configuration, samples, name):
+    assert_turns(fault, identity, configuration, samples, name)

@@ -7,7 +7,7 @@ from msbsdf_cli.validation import explicit
 from msbsdf_cli.validation.suite import IDENTITIES
 
 
-def test_every_identity_is_bent_by_some_test():
+def test_every_identity_finds_some_fault():
     names = (f"validation.{path.stem}" for path in Path(__file__).parent.glob("test_*.py"))
     modules = [import_module(name) for name in names]
     guarded = {p[1] for module in modules for p in getattr(module, "PERTURBATIONS", ())}

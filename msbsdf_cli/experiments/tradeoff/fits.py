@@ -1,10 +1,8 @@
-"""What a set of points of error and time says: slopes, the Pareto front, ranks."""
+"""What a set of points of error and time says: slopes, and the Pareto front."""
 
 import numpy as np
 
 from surfaces.facet import Array
-
-RESAMPLES = 200
 
 
 def slope(x: Array, y: Array, y_stderr: Array) -> tuple[float, float]:
@@ -35,31 +33,3 @@ def pareto(seconds: Array, error: Array) -> Array:
     strictly = (seconds[:, None] < seconds) | (error[:, None] < error)
     beaten = (faster & better & strictly).any(axis=0)
     return ~beaten & np.isfinite(error) & np.isfinite(seconds)
-
-
-def ranks(efficiency: Array) -> Array:
-    """Ranks (n,), 1 for the most efficient; along the last axis."""
-    order = np.argsort(-efficiency, axis=-1, kind="stable")
-    place = np.empty_like(order)
-    np.put_along_axis(place, order, np.arange(1, efficiency.shape[-1] + 1), axis=-1)
-    return place
-
-
-def rank_stability(
-    squares: list[Array], seconds: list[Array], rng: np.random.Generator
-) -> tuple[Array, Array]:
-    """Ranks (n,) of methods by efficiency, and how often each keeps its own when the repetitions
-    are drawn again: squared errors and seconds of each repetition of each method."""
-    first = ranks(np.array([_efficiency(e, s) for e, s in zip(squares, seconds, strict=True)]))
-    again = np.empty((RESAMPLES, len(squares)))
-    for i, (e, s) in enumerate(zip(squares, seconds, strict=True)):
-        for k in range(RESAMPLES):
-            again[k, i] = _efficiency(
-                e[rng.integers(len(e), size=len(e))], s[rng.integers(len(s), size=len(s))]
-            )
-    return first, (ranks(again) == first).mean(axis=0)
-
-
-def _efficiency(squares: Array, seconds: Array) -> float:
-    with np.errstate(divide="ignore"):
-        return float(1 / (squares.mean() * np.median(seconds)))

@@ -6,8 +6,7 @@ import numpy as np
 
 from msbsdf_cli.experiments.tradeoff.reference import Reference
 from msbsdf_cli.experiments.tradeoff.rows import Row
-from msbsdf_cli.experiments.tradeoff.world import Distance, World, own_noise
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.experiments.tradeoff.surface_reference import Distance, SurfaceReference, own_noise
 from msbsdf_cli.scene import Scene
 
 MARGIN = 3
@@ -28,14 +27,14 @@ class Floor:
 
 
 def floors(
-    scene: Scene, truth: Reference, world: World | None, found: list[Distance]
+    scene: Scene, truth: Reference, surfaces: SurfaceReference | None, found: list[Distance]
 ) -> list[Floor]:
     """All floors, angle by angle."""
     rows = []
     for i, theta in enumerate(scene.theta):
         rows.append(Floor(theta, "reference", "smith", truth.noise[i], 0.0))
-        if world is not None:
-            rows.append(Floor(theta, "surfaces", "surfaces", *own_noise(world, i)))
+        if surfaces is not None:
+            rows.append(Floor(theta, "surfaces", "surfaces", *own_noise(surfaces, i)))
         rows += [
             Floor(theta, "model", d.model, d.value, d.stderr) for d in found if d.theta == theta
         ]
@@ -50,8 +49,3 @@ def margin(rows: list[Row], truth: Reference, theta: tuple[float, ...]) -> float
         for t, noise in zip(theta, truth.noise, strict=True)
     ]
     return float(min(ratios))
-
-
-def table(rows: list[Floor]) -> Table:
-    """floors.csv"""
-    return {name: [getattr(r, name) for r in rows] for name in Floor.__dataclass_fields__}

@@ -8,7 +8,7 @@ import numpy as np
 
 from msbsdf_cli.experiments.tradeoff.directions import Lobe
 from msbsdf_cli.experiments.tradeoff.quasirandom import QuasiRandom, evaluate_quasirandom
-from msbsdf_cli.methods.directions import Holds
+from msbsdf_cli.methods.base import MethodBase
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
@@ -64,7 +64,7 @@ class Setting:
         return OneByOne(method) if self.one_by_one else method
 
 
-class OneByOne(Holds):
+class OneByOne(MethodBase):
     """A method that is asked for each outgoing direction anew, with samples of its own."""
 
     def __init__(self, method: Method) -> None:

@@ -10,7 +10,7 @@ from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.statistics.errors import inner_products, taken_apart
+from msbsdf_cli.statistics.repetitions import inner_products, taken_apart
 from surfaces.facet import Array
 from surfaces.streams import stream
 
@@ -19,7 +19,12 @@ RESOLUTIONS = (0.5, 0.7, 1.0)
 that tells the error of the first, 3/4 as fine, is still finer than all that it judges."""
 
 ENOUGH = 1e-6
-"""Wanted relative error of a solved reference: a hundred times below what is worth a chart."""
+"""Wanted relative error of a solved reference where `solve` itself is judged: a hundred times below
+what is worth a chart."""
+
+ENOUGH_FOR_A_WALK = 0.01
+"""The same where only walks are judged, over the root of their number: the least noise of a walk is
+ten times that."""
 
 TOLERABLE = 2e-3
 """Beyond it, walks may do better."""
@@ -49,23 +54,30 @@ class Reference:
 
 
 def reference(
-    scene: Scene, lobes: list[Lobe], samples: int, seed: int, purpose: str = "chart"
+    scene: Scene,
+    lobes: list[Lobe],
+    methods: tuple[str, ...],
+    samples: int,
+    seed: int,
+    purpose: str = "chart",
 ) -> Reference:
-    """By `solve`, ever finer until its own estimate is below `ENOUGH` or it takes too long; where
-    it does not hold, or not well, by many walks from both ends."""
+    """By `solve`, ever finer until its own estimate is enough to judge `methods` of at most
+    `samples` walks, or it takes too long; where it does not hold, or not well, by many walks from
+    both ends."""
     started = time.perf_counter()
+    enough = ENOUGH if Solve.name in methods else ENOUGH_FOR_A_WALK / np.sqrt(samples)
     try:
-        found = _solved(scene, lobes)
+        found = _solved(scene, lobes, enough)
     except UnsupportedError:
-        return _by_chance(scene, lobes, MORE_WALKS * samples, seed, purpose)
+        return _by_walks(scene, lobes, MORE_WALKS * samples, seed, purpose)
     if max(found.noise) < TOLERABLE:
         return found
-    other = _by_chance(scene, lobes, MORE_WALKS * samples, seed, purpose)
+    other = _by_walks(scene, lobes, MORE_WALKS * samples, seed, purpose)
     best = min(found, other, key=lambda r: max(r.noise))
     return replace(best, seconds=time.perf_counter() - started)
 
 
-def _solved(scene: Scene, lobes: list[Lobe]) -> Reference:
+def _solved(scene: Scene, lobes: list[Lobe], enough: float) -> Reference:
     Solve.check_supported(scene.slopes, scene.material)
     started = time.perf_counter()
     for resolution in RESOLUTIONS:
@@ -77,16 +89,21 @@ def _solved(scene: Scene, lobes: list[Lobe]) -> Reference:
             for e, lobe in zip(found, lobes, strict=True)
         ]
         seconds = time.perf_counter() - started
-        if max(noise) < ENOUGH or seconds > PATIENCE_S:
+        if max(noise) < enough or seconds > PATIENCE_S:
             break
     return Reference("solve", resolution, [e.value for e in found], noise, seconds)
 
 
 def references(
-    scene: Scene, lobes: list[Lobe], others: list[Lobe], samples: int, seed: int
+    scene: Scene,
+    lobes: list[Lobe],
+    others: list[Lobe],
+    methods: tuple[str, ...],
+    samples: int,
+    seed: int,
 ) -> tuple[Reference, Reference]:
     """References for two sets of lobes, set up once."""
-    both = reference(scene, [*lobes, *others], samples, seed)
+    both = reference(scene, [*lobes, *others], methods, samples, seed)
     n = len(lobes)
     first, second = (
         replace(both, values=both.values[part], noise=both.noise[part])
@@ -101,7 +118,7 @@ def relative(difference: Array, truth: Array, weight: Array) -> float:
     return float(np.sqrt(over / under))
 
 
-def _by_chance(
+def _by_walks(
     scene: Scene, lobes: list[Lobe], samples: int, seed: int, purpose: str = "chart"
 ) -> Reference:
     started = time.perf_counter()

@@ -43,7 +43,7 @@ def roughness_rows(
         there = replace(scene.of_roughness(alphas), theta=thetas)
         lobes = [lobe_directions(there, theta, directions, protocol.seed) for theta in thetas]
         purpose = f"{protocol.purpose} {alpha}"
-        truth = reference(there, lobes, SAMPLES, protocol.seed, purpose)
+        truth = reference(there, lobes, methods, SAMPLES, protocol.seed, purpose)
         few = replace(protocol, replicates=min(protocol.replicates, REPLICATES), purpose=purpose)
         rows += method_rows(there, measure(there, settings, lobes, few), truth)
         advance(1)

@@ -15,8 +15,7 @@ from msbsdf_cli.experiments.tradeoff.measuring import (
 from msbsdf_cli.experiments.tradeoff.rows import Row
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.results.directory import Table, columns
-from msbsdf_cli.run.executors import in_order
+from msbsdf_cli.run.executors import map_ordered
 from msbsdf_cli.scene import Scene
 from surfaces.streams import stream
 
@@ -118,11 +117,11 @@ def _made(setting: Setting, scene: Scene) -> Method:
 
 
 def over_threads(
-    scene: Scene, settings: list[Setting], lobe: Lobe, threads: int, seed: int
+    scene: Scene, settings: list[Setting], lobe: Lobe, workers: int, seed: int
 ) -> list[Scaling]:
     """Time of the same work on 1, 2, 4 ... and all processes, starting these included; methods
     without noise have nothing to share but angles and are left out."""
-    counts = sorted({min(1 << k, threads) for k in range(threads.bit_length() + 1)})
+    counts = sorted({min(1 << k, workers) for k in range(workers.bit_length() + 1)})
     seconds: dict[tuple[Setting, int], list[float]] = {}
     for r in range(THREAD_REPEATS):
         for setting in (s for s in settings if not s.deterministic):
@@ -130,7 +129,7 @@ def over_threads(
                 places = [(setting.method, r, part) for part in range(THREAD_PARTS)]
                 jobs = [ShareJob(scene, setting, lobe, seed, place) for place in places]
                 started = time.perf_counter()
-                for _ in in_order(do_share, jobs, count):
+                for _ in map_ordered(do_share, jobs, count):
                     pass
                 seconds.setdefault((setting, count), []).append(time.perf_counter() - started)
     rows = []
@@ -139,8 +138,3 @@ def over_threads(
         place = setting.method, lobe.theta, THREAD_PARTS * setting.samples
         rows.append(Scaling("threads", count, *place, middle, low, high, 0.0))
     return rows
-
-
-def table(rows: list[Scaling]) -> Table:
-    """scaling.csv"""
-    return columns(rows, Scaling.__dataclass_fields__)

@@ -11,9 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import exits
+from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.single import first_order
-from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.isotropic import CHUNK
 from msbsdf_cli.methods.solver.nodes import (
     Elevations,
@@ -22,8 +21,8 @@ from msbsdf_cli.methods.solver.nodes import (
     azimuths,
     coordinate,
 )
-from msbsdf_cli.methods.solver.orders import Kernel, Rows
-from msbsdf_cli.smith.kernel import scatter_density
+from msbsdf_cli.methods.solver.normalisation import KernelScale, balance
+from msbsdf_cli.methods.solver.orders import Discretisation, Kernel, Rows
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
 from surfaces.materials import Material
@@ -62,15 +61,14 @@ class QuarterGrid:
     def azimuths(self) -> QuarterAzimuths:
         """Azimuths in the first quadrant.
 
-        Two things ask for nodes. At grazing angles projected areas, and with them the chance to
-        leave, change with the azimuth about the smoother axis: with r the ratio of roughnesses
+        Two things ask for nodes. At grazing angles projected areas, and with them the probability
+        to leave, change with the azimuth about the smoother axis: with r the ratio of roughnesses
         they are smooth up to azimuths whose imaginary part is artanh(r). And lobes are as narrow
-        about the rougher axis, across which the smaller roughness lies. Crowding by the root of
-        2 r / (1 + r^2) takes such singularities equally far from the evenly spaced azimuths as
-        the crowding's own; half of that, in logarithms, leaves enough nodes in between, and was
-        better on the whole. Energies do not show single lobes; where these count, nodes are moved
-        on towards the rougher axis, by a power of r that was better on the whole too.
-        """
+        about the rougher axis, across which the smaller roughness lies. Crowding by the root of 2 r
+        / (1 + r^2) takes such singularities equally far from the evenly spaced azimuths as the
+        crowding's own; half of that, in logarithms, leaves enough nodes in between, and was better
+        on the whole. Energies do not show single lobes; where these count, nodes are moved on
+        towards the rougher axis, by a power of r that was better on the whole too."""
         ratio = self.slopes.alpha_y / self.slopes.alpha_x
         crowding = (2 * ratio / (1 + ratio * ratio)) ** 0.25
         squeeze = 1.0 if self.blocks == 1 else ratio ** (1 / 6)
@@ -97,7 +95,7 @@ class QuarterGrid:
 
 
 @dataclass(frozen=True)
-class MirrorGrid(QuarterGrid):
+class MirrorGrid(QuarterGrid, Discretisation):
     """Facets that reflect: light goes down, then up."""
 
     elevations: Elevations
@@ -128,7 +126,7 @@ class MirrorGrid(QuarterGrid):
         phi, weight = self._offsets
         return phi + np.arctan2(d[1], d[0]), weight
 
-    def first(self, wi: Array) -> Array:
+    def first_order(self, wi: Array) -> Array:
         """Energy (channels,) of order 1, for light from `wi` (3,).
 
         A single integral over the closed form, with nodes of its own on either side of the
@@ -138,7 +136,7 @@ class MirrorGrid(QuarterGrid):
         elevations = Elevations(FINER * self.elevations.n)
         angle = elevations.between(np.array([0, x]), np.array([x, 1]))
         phi, weight = self._around(-wi)
-        wo = exits(self.slopes, _directions(angle.sin.ravel(), angle.cos.ravel(), phi))
+        wo = outgoing(self.slopes, _directions(angle.sin.ravel(), angle.cos.ravel(), phi))
         value = first_order(self.slopes, self.material, wi, wo)
         return value @ np.multiply.outer(angle.weight, weight).ravel()
 
@@ -151,7 +149,7 @@ class MirrorGrid(QuarterGrid):
         phi, weight = self._around(d)
         w = _directions(sin, cos, phi)
         v = np.broadcast_to(np.array([[d[0]], [d[1]], [-np.abs(d[2])]]), w.shape)
-        q = scatter_density(self.slopes, self.material, v, w)
+        q = self.material.density(self.slopes, v, w)
         # (channels, elevations, blocks, quarter)
         q = np.tensordot(
             q.reshape(-1, sin.size, phi.size), self._fold(phi) * weight[:, None, None], 1
@@ -185,7 +183,7 @@ def _directions(sin: Array, cos: Array, phi: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class DiffuseGrid(QuarterGrid):
+class DiffuseGrid(QuarterGrid, Discretisation):
     """Lambertian facets: light may turn down again.
 
     q is a sum over facets of a product, so that parities of <-d, m> and of <w, m> in the facet's
@@ -221,7 +219,7 @@ class DiffuseGrid(QuarterGrid):
         return self._scatter(-self.nodes, self._mirrored)
 
     @cached_property
-    def _balance(self) -> Balance:
+    def _balance(self) -> KernelScale:
         w = self.nodes * np.array([[-1], [-1], [1]])
         across, down = self._scatter(w, self.nodes)[0], self._scatter(w, self._mirrored)[0]
         sigma, sigma_up = self.slopes.sigma(-self.nodes), self.slopes.sigma(self.nodes)

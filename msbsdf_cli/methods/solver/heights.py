@@ -35,8 +35,8 @@ class Heights:
 
     def escape(self, Lambda: Array) -> Array:
         """Chance (..., n) of leaving from each height in upward directions ([HHdD16] Eq. 1)."""
-        chance: Array = np.exp(-np.multiply.outer(Lambda, self.t))
-        return chance
+        probability: Array = np.exp(-np.multiply.outer(Lambda, self.t))
+        return probability
 
     def arrive(self, L: Array) -> Array:
         """Weights (..., n) of the heights of the first facet, for light from outside of
@@ -46,14 +46,14 @@ class Heights:
 
     def sink(self, L: Array) -> Array:
         """Matrices (m, n, n): where the next facet lies, from each height, downward (L >= 1), per
-        unit of extinction: its chance over L."""
+        unit of extinction: its probability over L."""
         E, _, weight = self._chance
         t = self.t[:, None] + E / L[:, None, None]
         return np.einsum("k,mikj->mij", weight, self._at(t)) / L[:, None, None]
 
     def rise(self, Lambda: Array) -> Array:
-        """Matrices (m, n, n): the same upward; rows sum to the chance not to leave, over Lambda,
-        which towards the normal tends to the length of the way."""
+        """Matrices (m, n, n): the same upward; rows sum to the probability not to leave, over
+        Lambda, which towards the normal tends to the length of the way."""
         _, u, weight = self._chance
         meets = -np.expm1(-np.multiply.outer(Lambda, self.t))
         some = Lambda > 0
@@ -68,9 +68,8 @@ class Heights:
     def _chance(self) -> tuple[Array, Array, Array]:
         """Nodes and weights of an expectation over an exponential number E, and u = 1 - exp(-E).
 
-        A path ends at the top, or begins there, where heights are cube roots of chances: these
-        are crowded at either end as heights are.
-        """
+        A path ends at the top, or begins there, where heights are cube roots of probabilities:
+        these are crowded at either end as heights are."""
         y, dy = gauss(PATHS * self.n)
         one, other = y**CROWDING, (1 - y) ** CROWDING
         weight = dy * (y * (1 - y)) ** (CROWDING - 1) / (one + other) ** 2

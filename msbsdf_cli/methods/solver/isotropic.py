@@ -10,10 +10,9 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.methods.solver.balance import Balance, balance
 from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate
-from msbsdf_cli.methods.solver.orders import Kernel, Rows
-from msbsdf_cli.smith.kernel import scatter_density
+from msbsdf_cli.methods.solver.normalisation import KernelScale, balance
+from msbsdf_cli.methods.solver.orders import Discretisation, Kernel, Rows
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
@@ -48,7 +47,7 @@ def parting(a: Array, b: Array, modes: int) -> Array:
 
 
 @dataclass(frozen=True)
-class MirrorModes:
+class MirrorModes(Discretisation):
     """Facets that reflect: light goes down, then up."""
 
     slopes: Slopes
@@ -106,13 +105,13 @@ class MirrorModes:
         w[1] = sin[..., None] * np.sin(phi)
         w[2] = cos[..., None]
         before = np.broadcast_to(v[:, :, None, None], w.shape)
-        q = scatter_density(self.slopes, self.material, before.reshape(3, -1), w.reshape(3, -1))
+        q = self.material.density(self.slopes, before.reshape(3, -1), w.reshape(3, -1))
         modes: Array = q.reshape(-1, *shape) @ factors
         return modes
 
 
 @dataclass(frozen=True)
-class DiffuseModes:
+class DiffuseModes(Discretisation):
     """Lambertian facets: light may turn down again.
 
     A mode of q is an integral over the facets' inclination alone, of a product of the modes of
@@ -163,7 +162,7 @@ class DiffuseModes:
         return self._scatter(behind, behind, facets)
 
     @cached_property
-    def _balance(self) -> Balance:
+    def _balance(self) -> KernelScale:
         nodes = self.elevations.nodes
         across, down = self._raw_rows(np.arctan2(nodes.cos, nodes.sin))
         up = upward(nodes)

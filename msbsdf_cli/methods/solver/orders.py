@@ -12,6 +12,7 @@ two opposite directions, and products that integrate over intermediate direction
 are labelled by the same nodes. Arrays are (channels, blocks, rows, nodes); blocks do not mix.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -203,3 +204,27 @@ def _settle(kernel: Kernel, step: Callable[[Array], Array], start: Array) -> tup
         if growth <= rounding * np.max(np.abs(level)):
             # What is missing falls off like a geometric series.
             return R, float(growth * growth / (before - growth)) if growth < before else growth
+
+
+class Discretisation(ABC):
+    """Directions as nodes and blocks, and the scattering kernel between them."""
+
+    @abstractmethod
+    def kernel(self) -> Kernel:
+        """Scattering between the nodes."""
+
+    @abstractmethod
+    def rows(self, d: Array) -> Rows:
+        """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
+
+    @abstractmethod
+    def distinct(self, d: Array) -> tuple[Array, Array]:
+        """Directions (3, m) for which to make rows, and which of them serves each of `d`."""
+
+    def first_order(self, wi: Array) -> Array | None:
+        """Its energy (channels,) for `wi` (3,), where that is better known than from the rows."""
+        return None
+
+    @abstractmethod
+    def parting(self, a: Array, b: Array) -> Array:
+        """Factors (blocks, n) that sum blocks to values from `a` (3, 1) to `b` (3, n)."""

@@ -12,15 +12,19 @@ import numpy as np
 
 from msbsdf_cli.experiments.realisations import Resolution, SurfaceJob, trace_surface
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.run.executors import Progress, in_order
+from msbsdf_cli.run.executors import Progress, Workers, map_ordered
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.statistics.errors import jackknife, root
-from msbsdf_cli.statistics.tally import PHI_BINS, THETA_BINS, lobe_axes, lobe_bin
+from msbsdf_cli.statistics.jackknife import jackknife
+from msbsdf_cli.statistics.repetitions import root
+from msbsdf_cli.statistics.tally import (
+    PHI_BINS,
+    THETA_BINS,
+    lobe_bin,
+    merge_sides,
+    merged_solid_angle,
+)
 from surfaces.facet import Array
 from surfaces.streams import stream
-
-MERGED = 3
-"""Bins of a lobe merged each way: 9 degrees by 18, so that some light is in each."""
 
 PARTS = 8
 PART_SAMPLES = 32768
@@ -41,7 +45,7 @@ class Distance:
 
 
 @dataclass(frozen=True)
-class World:
+class SurfaceReference:
     """Surfaces traced: lobes, one unit for each realisation, and what they took."""
 
     units: Array
@@ -54,9 +58,9 @@ class World:
     """Of one angle on one surface."""
 
 
-def trace_world(
-    scene: Scene, resolution: Resolution, samples: int, seed: int, threads: int, quiet: bool
-) -> World:
+def trace_surfaces(
+    scene: Scene, resolution: Resolution, samples: int, seed: int, workers: Workers, quiet: bool
+) -> SurfaceReference:
     """`samples` rays for each incident angle, spread over the realisations."""
     rays = -(-samples // resolution.realisations)
     jobs = (
@@ -65,29 +69,13 @@ def trace_world(
     )
     units, surface_s, trace_s = [], [], []
     with Progress("surfaces", resolution.realisations, "surfaces", quiet) as progress:
-        for result in in_order(trace_surface, jobs, threads):
+        for result in map_ordered(trace_surface, jobs, workers):
             lobes = [t.estimate("lobe").value.sum(axis=0) for t in result.tallies]
-            units.append([merged(lobe) for lobe in lobes])
+            units.append([merge_sides(lobe) for lobe in lobes])
             surface_s.append(result.surface_s)
             trace_s.append(result.trace_s / len(scene.theta))
             progress.advance(1)
-    return World(np.array(units), surface_s, trace_s, rays)
-
-
-def merged(lobe: Array) -> Array:
-    """Energy in merged bins (bins,), from that in all bins of each side (2, bins).
-
-    Azimuths are shifted by a bin, so that the plane of incidence stays in the middle of one.
-    """
-    fine = np.roll(lobe.reshape(2, THETA_BINS, PHI_BINS), MERGED // 2, axis=2)
-    shape = 2, THETA_BINS // MERGED, MERGED, PHI_BINS // MERGED, MERGED
-    return np.asarray(fine.reshape(shape).sum(axis=(2, 4)).ravel())
-
-
-def bin_solid_angle() -> Array:
-    """Solid angles (bins,) of merged bins."""
-    rows = MERGED * lobe_axes()[2].reshape(-1, MERGED).sum(axis=1)
-    return np.tile(np.repeat(rows, PHI_BINS // MERGED), 2)
+    return SurfaceReference(np.array(units), surface_s, trace_s, rays)
 
 
 @dataclass(frozen=True)
@@ -112,7 +100,7 @@ def sample_model(job: ModelJob) -> Array:
             np.bincount(lobe_bin(w[:, there]), weight[0, there], THETA_BINS * PHI_BINS)
             for there in (w[2] > 0, w[2] < 0)
         ]
-        lobes.append(merged(np.stack(sides) / PART_SAMPLES))
+        lobes.append(merge_sides(np.stack(sides) / PART_SAMPLES))
     return np.array(lobes)
 
 
@@ -122,18 +110,18 @@ def sampler(model: str) -> str:
 
 
 def distances(
-    scene: Scene, methods: tuple[str, ...], world: World, seed: int, threads: int
+    scene: Scene, methods: tuple[str, ...], surfaces: SurfaceReference, seed: int, workers: Workers
 ) -> list[Distance]:
     """Of the models behind the methods, and always of the Smith model."""
     models = dict.fromkeys(["smith", *(METHODS[name].traits.model for name in methods)])
     jobs = [ModelJob(scene, sampler(m), part, seed) for m in models for part in range(PARTS)]
-    results = list(in_order(sample_model, jobs, threads))
-    solid_angle = bin_solid_angle()
+    results = list(map_ordered(sample_model, jobs, workers))
+    solid_angle = merged_solid_angle()
     found = []
     for k, model in enumerate(models):
         lobes = np.array(results[k * PARTS : (k + 1) * PARTS])
         for i, theta in enumerate(scene.theta):
-            square, stderr = distance(world.units[:, i], lobes[:, i], solid_angle)
+            square, stderr = distance(surfaces.units[:, i], lobes[:, i], solid_angle)
             found.append(Distance(theta, model, *root(square, stderr)))
     return found
 
@@ -164,16 +152,16 @@ def _left_out(units: Array) -> Iterator[Array]:
         yield np.delete(units, i, axis=0)
 
 
-def own_noise(world: World, angle: int) -> tuple[float, float]:
+def own_noise(surfaces: SurfaceReference, angle: int) -> tuple[float, float]:
     """Relative noise of the mean over all surfaces, and its standard error."""
-    _, noise, stderr = grouped_noise(world, angle)[0]
-    return noise / np.sqrt(len(world.units)), stderr / np.sqrt(len(world.units))
+    _, noise, stderr = grouped_noise(surfaces, angle)[0]
+    return noise / np.sqrt(len(surfaces.units)), stderr / np.sqrt(len(surfaces.units))
 
 
-def grouped_noise(world: World, angle: int) -> list[tuple[int, float, float]]:
+def grouped_noise(surfaces: SurfaceReference, angle: int) -> list[tuple[int, float, float]]:
     """Surfaces used, the relative noise of as many, and its standard error; measured between
     groups of surfaces, as long as these are enough."""
-    units = world.units[:, angle] / np.sqrt(bin_solid_angle())
+    units = surfaces.units[:, angle] / np.sqrt(merged_solid_angle())
     mean = units.mean(axis=0)
     scale = mean @ mean - noise_of_mean(units)
     found = []

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.methods.solver.facets import Facets
+from msbsdf_cli.methods.solver.slope_quadrature import SlopeQuadrature
 from msbsdf_cli.smith.slopes import distribution
 from surfaces.facet import fresnel_dielectric
 
@@ -24,7 +24,7 @@ CASES = [
 @pytest.mark.parametrize(("slopes", "alpha", "eta", "theta"), CASES)
 def test_both_events_together_are_the_projected_area(slopes, alpha, eta, theta):
     surface, d = distribution(slopes)(*alpha), travelling(theta)
-    found = Facets(surface, 24, alpha[0] == alpha[1]).scatter(d, eta)
+    found = SlopeQuadrature(surface, 24, alpha[0] == alpha[1]).scatter(d, eta)
     sigma = surface.sigma(d[:, None])[0]
     # Both are integrated on nodes of their own: the error of 24 between edges.
     assert sum(light.amount.sum() for light in found) == pytest.approx(sigma, rel=1e-5)
@@ -43,7 +43,7 @@ def test_light_goes_where_visible_normals_send_it(slopes, alpha, eta, theta):
     )
     sigma = surface.sigma(d[:, None])[0]
     for light, (w, share) in zip(
-        Facets(surface, 16, half=False).scatter(d, eta), sent, strict=True
+        SlopeQuadrature(surface, 16, half=False).scatter(d, eta), sent, strict=True
     ):
         # The light of either hemisphere, and its mean direction.
         moments = np.stack([share, share * (w[2] > 0), *(share * w)])

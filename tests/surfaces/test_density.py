@@ -5,7 +5,6 @@ import pytest
 from spheres import direction, hemisphere, sphere
 
 from msbsdf_cli.smith.albedo import first_order_albedo
-from msbsdf_cli.smith.kernel import scatter_density
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.smith.visible_slopes import visible_slopes
 from surfaces.facet import dot
@@ -27,7 +26,7 @@ def test_diffuse_kernel_agrees_with_sampled_normals(slopes):
     rng = np.random.default_rng(1)
     d = -direction([0.3, 1.5, 0.9, 2.0], [0.2, 0, 3.0, 1.0])
     w = direction([0.9, 1.4, 1.55, 0.5], [2.0, 0.1, 3.2, 4.0])
-    q = scatter_density(slopes, Diffuse((0.5, 1.0)), d, w)
+    q = Diffuse((0.5, 1.0)).density(slopes, d, w)
     np.testing.assert_allclose(q[0], q[1] / 2)
     for k in range(4):
         m = slopes.visible_normals(-d[:, [k]], 100000, rng)
@@ -43,7 +42,7 @@ def test_mirror_kernel_sums_to_the_projected_area(slopes, z):
     # rule at the jump of q where w = d. Facets below the horizon would add up to 29 %.
     d = np.array([[np.sqrt(1 - z * z)], [0], [z]])
     w, solid_angle = sphere(128)
-    q = scatter_density(slopes, Conductor(), d, w)[0]
+    q = Conductor().density(slopes, d, w)[0]
     np.testing.assert_allclose((q * solid_angle).sum(), slopes.sigma(d)[0], rtol=0.02)
     h = w - d
     assert (q[h[2] <= 0] == 0).all()
@@ -54,9 +53,7 @@ def test_dielectric_kernel_sums_to_the_projected_area(inside):
     # The rule's error at the border of total reflection is below 1 %.
     slopes, glass, d = Beckmann(1, 1), Dielectric(1.5), -direction(0.6, 0.2)[:, None]
     w, solid_angle = sphere(96)
-    q = scatter_density(slopes, glass, d, w, inside) + scatter_density(
-        slopes, glass, d, w, inside, transmitted=True
-    )
+    q = glass.density(slopes, d, w, inside) + glass.density(slopes, d, w, inside, transmitted=True)
     np.testing.assert_allclose((q[0] * solid_angle).sum(), slopes.sigma(d)[0], rtol=0.01)
 
 
@@ -65,11 +62,11 @@ def test_specular_kernels_are_the_same_from_both_ends():
     d, w = (direction(np.arccos(rng.uniform(-1, 1, 500)), rng.uniform(0, 6, 500)) for _ in "dw")
     slopes, glass = Ggx(0.8, 0.3), Dielectric(1.5)
     for material in (Conductor(), Conductor(((0.2, 3.9),)), Diffuse()):
-        q = scatter_density(slopes, material, d, w)
-        back = scatter_density(slopes, material, -w, -d)
+        q = material.density(slopes, d, w)
+        back = material.density(slopes, -w, -d)
         np.testing.assert_allclose(q, back, rtol=1e-2, atol=2e-5 * q.max())
-    q = scatter_density(slopes, glass, d, w, transmitted=True)
-    back = scatter_density(slopes, glass, -w, -d, inside=True, transmitted=True)
+    q = glass.density(slopes, d, w, transmitted=True)
+    back = glass.density(slopes, -w, -d, inside=True, transmitted=True)
     np.testing.assert_allclose(q, 1.5**2 * back, rtol=1e-9)
 
 

@@ -33,7 +33,7 @@ def evaluated(model, wi, wo, samples, rng):
     """An evaluation whose standard errors count paths that no walk has found."""
     found = model.evaluate(wi, wo, samples, rng)
     stderr = found.stderr.astype(float)
-    unseen = model.unseen(wi, wo, samples, rng)
+    unseen = model.undersampling(wi, wo, samples, rng)
     stderr[:, 1:] = np.hypot(stderr[:, 1:], unseen[:, None])
     return replace(found, stderr=stderr)
 

@@ -1,9 +1,9 @@
-"""Quadrature over the normals that see both of two directions, for diffuse facets."""
+"""The integral over the facets that are visible from both of two directions, by quadrature."""
 
 import numpy as np
 
 from surfaces.facet import Array, dot
-from surfaces.materials._material import Slopes
+from surfaces.materials._material import Normals
 from surfaces.quadrature import gauss
 
 ACROSS = 40
@@ -13,7 +13,7 @@ circles pass the horizon, and along each of them. The integrand is smooth there;
 error of a few 1e-6 of the largest value, and 1e-4 at roughness 30."""
 
 
-def lambertian_density(slopes: Slopes, d: Array, w: Array) -> Array:
+def lambertian_density(normals: Normals, d: Array, w: Array) -> Array:
     """1/pi of the integral of <-d, m> <w, m> D(m) dm ([HHdD16] Eq. 36, times sigma).
 
     Facets that see both directions fill a lune between two great circles. Stretched by the
@@ -21,7 +21,7 @@ def lambertian_density(slopes: Slopes, d: Array, w: Array) -> Array:
     roughness 1, and dm is dm' times alpha_x alpha_y / |A m'|^3. Half circles from pole to pole, at
     angles eta, are cut by the horizon at chi = `cut`; along them both cosines go with sin(chi).
     """
-    stretch = np.array([slopes.alpha_x, slopes.alpha_y, 1.0])[:, None]
+    stretch = np.array([normals.alpha_x, normals.alpha_y, 1.0])[:, None]
     a, b = -d * stretch, w * stretch
     axis, e1, e2 = _lune_frame(a, b)
     phi_b = np.arctan2(dot(b, e2), dot(b, e1))
@@ -42,9 +42,9 @@ def lambertian_density(slopes: Slopes, d: Array, w: Array) -> Array:
     for i in range(3):
         m[i] = stretch[i] * (cos * axis[i] + sin * equator[i])
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        density = slopes.D(m) * (sin * sin * sin) / np.sqrt(dot(m, m))
+        density = normals.D(m) * (sin * sin * sin) / np.sqrt(dot(m, m))
     total: Array = np.einsum("ken,k,en->n", density, du, d_eta * extent * lit)
-    return total * (slopes.alpha_x * slopes.alpha_y / np.pi)
+    return total * (normals.alpha_x * normals.alpha_y / np.pi)
 
 
 def _half_circles(phi_b: Array, e1: Array, e2: Array, u: Array, du: Array) -> tuple[Array, Array]:

@@ -3,7 +3,7 @@
 Let g_0 ... g_n be the directions of a path, g_0 = -wi and g_n = wo. The strategy s samples
 g_1 ... g_s from wi and the others from wo, and connects the two at facet s + 1. With the symmetric
 kernel q (that of energy over the squared index of the side it goes to), L_i = sigma(g_i) / |z_i|,
-L'_i = sigma(-g_i) / |z_i| and chances r, r' to go on, its density times |z_1| ... |z_n-1| is
+L'_i = sigma(-g_i) / |z_i| and probabilities r, r' to go on, its density times |z_1| ... |z_n-1| is
 
     (q_1 ... q_n) / q_(s+1) |z_s| |z_(s+1)|  P_s  P'_(s+1)
     P_s = product of 1 / L_i, i < s, and r_i, 1 <= i <= s       (P' likewise from the other end)
@@ -17,11 +17,11 @@ from functools import partial
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits, far_end
+from msbsdf_cli.methods.base import Outgoing, adjoint_weight
 from msbsdf_cli.methods.estimate import Estimate
+from msbsdf_cli.methods.path_factors import leaving_probability, meeting_probability
 from msbsdf_cli.methods.paths import Paths, arriving, meet, pair_density, scatter
-from msbsdf_cli.methods.segments import leaving_chance, meeting_chance
-from msbsdf_cli.smith.descent import slant
+from msbsdf_cli.smith.integrated_heights import extinction_of
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
 from surfaces.facet import Array, dot
@@ -41,7 +41,7 @@ class SubPath(Paths):
     X: Array
     """Sum over the strategies that connect on this side, up to what lies beyond `d`, (n,)."""
     S: Array
-    """Segment factors of the facets passed, (n,): chances over L of the direction before."""
+    """Segment factors of the facets passed, (n,): probabilities over L of the direction before."""
 
 
 @dataclass(frozen=True)
@@ -53,17 +53,18 @@ class Model:
     correlated: bool
 
 
-def connect_both_ends(
+def connect_bidirectionally(
     slopes: Slopes,
     material: Material,
     correlated: bool,
     wi: Array,
     n: int,
-    out: Exits,
+    out: Outgoing,
     estimate: Estimate,
     rng: np.random.Generator,
 ) -> None:
-    """Add `n` sub-paths from `wi` (3,), each connected with one sub-path from each exit."""
+    """Add `n` sub-paths from `wi` (3,), each connected with one sub-path from each outgoing
+    direction."""
     model = Model(slopes, material, correlated)
     lanes = max(1, BLOCK // out.n)
     for first in range(0, n, lanes):
@@ -71,14 +72,14 @@ def connect_both_ends(
 
 
 def _connect_block(
-    model: Model, wi: Array, n: int, out: Exits, estimate: Estimate, rng: np.random.Generator
+    model: Model, wi: Array, n: int, out: Outgoing, estimate: Estimate, rng: np.random.Generator
 ) -> None:
     pairs = n * out.n
     start = np.tile(np.arange(out.n), n)
     d = np.tile(-wi[:, None], n)
     from_wi = _walk(model, d, np.zeros(n, bool), False, rng)
     from_wo = _walk(model, -out.w[:, start], out.inside[start], True, rng)
-    scale = far_end(model.material, out)[start]
+    scale = adjoint_weight(model.material, out)[start]
     total = np.zeros((model.material.channels, estimate.orders + 1, pairs))
     where = np.full(n, -1)
     for s, one in enumerate(from_wi):
@@ -107,8 +108,8 @@ def _walk(
     one = np.ones(n, d.dtype)
     path = SubPath(
         **columns,
-        L=slant(d, columns["sigma"]),
-        back=slant(d, slopes.sigma(-d)),
+        L=extinction_of(d, columns["sigma"]),
+        back=extinction_of(d, slopes.sigma(-d)),
         P=one,
         X=np.zeros(n, d.dtype),
         S=one,
@@ -126,15 +127,15 @@ def _walk(
 def _step(
     model: Model, path: SubPath, reverse: bool, first: bool, rng: np.random.Generator
 ) -> SubPath:
-    """One facet further; an upward direction is followed with the chance Lambda / (1 + Lambda) of
-    the uncorrelated model, so that sub-paths end, and always by the same rule."""
+    """One facet further; an upward direction is followed with the probability Lambda / (1 + Lambda)
+    of the uncorrelated model, so that sub-paths end, and always by the same rule."""
     slopes, material = model.slopes, model.material
     assert path.m is not None
     after, transmitted = scatter(slopes, material, path, path.m, rng)
     through: Array | bool = False if transmitted is None else transmitted
     d = after.d
-    after.L = slant(d, after.sigma)
-    after.back = slant(d, slopes.sigma(-d))
+    after.L = extinction_of(d, after.sigma)
+    after.back = extinction_of(d, slopes.sigma(-d))
     survives = np.where(d[2] > 0, after.L / (1 + after.L), 1)
     # A direction that goes up here goes down seen from the other end, and the reverse.
     survives_back = np.where(d[2] < 0, after.back / (1 + after.back), 1)
@@ -143,8 +144,8 @@ def _step(
         before, ahead, ahead_L = after.back, -path.d, path.back
     else:
         before, ahead, ahead_L = path.L, d, after.L
-    chance_of = leaving_chance if reverse and first else meeting_chance
-    after.S = path.S * chance_of(before, ahead, ahead_L, through, model.correlated) / before
+    probability_of = leaving_probability if reverse and first else meeting_probability
+    after.S = path.S * probability_of(before, ahead, ahead_L, through, model.correlated) / before
     possible = density > 0
     here = np.abs(path.d[2] * d[2]) * path.P / np.where(possible, density, 1)
     after.X = (path.X / after.back + here) * survives_back
@@ -157,12 +158,12 @@ def _sampled_density(model: Model, path: SubPath, after: SubPath, reverse: bool)
 
     A diffuse facet is always the one that light from wi finds, whichever end walks.
     """
-    if not model.material.lambertian:
+    if model.material.specular:
         return pair_density(model.slopes, model.material, path, after.d, after.inside)[0]
     assert path.m is not None
     if reverse:
-        return model.slopes.sigma(-after.d) * -dot(path.d, path.m) / np.pi
-    return path.sigma * dot(after.d, path.m) / np.pi
+        return model.slopes.sigma(-after.d) * model.material.lobe(-dot(path.d, path.m))
+    return path.sigma * model.material.lobe(dot(after.d, path.m))
 
 
 def _connect(model: Model, a: SubPath, b: SubPath, last: bool) -> Array:
@@ -171,22 +172,22 @@ def _connect(model: Model, a: SubPath, b: SubPath, last: bool) -> Array:
     slopes, material = model.slopes, model.material
     assert a.m is not None
     w = -b.d
-    if material.lambertian:
-        density = a.sigma * np.maximum(dot(w, a.m), 0) / np.pi
+    if not material.specular:
+        density = a.sigma * material.lobe(dot(w, a.m))
         colour: Array | None = np.array(material.albedos, density.dtype)[:, None]
     else:
         density, colour = pair_density(slopes, material, a, w, b.inside)
     through: Array | bool = False
     if a.inside is not None and b.inside is not None:
         through = a.inside != b.inside
-    chance_of = leaving_chance if last else meeting_chance
-    chance = chance_of(a.L, w, b.back, through, model.correlated)
+    probability_of = leaving_probability if last else meeting_probability
+    probability = probability_of(a.L, w, b.back, through, model.correlated)
     here = np.abs(a.d[2] * w[2]) * a.P * b.P
     elsewhere = a.X * b.P / b.L + b.X * a.P / a.L
-    segments = a.S * b.S * chance / a.L
+    segments = a.S * b.S * probability / a.L
     value = segments * density / np.maximum(here + density * elsewhere, np.finfo(w.dtype).tiny)
     value = np.broadcast_to(value, (material.channels, a.n))
-    for share in (colour, a.weight, b.weight):
-        if share is not None:
-            value = value * share
+    for throughput in (colour, a.weight, b.weight):
+        if throughput is not None:
+            value = value * throughput
     return value

@@ -19,7 +19,7 @@ from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.results.directory import Table
 from msbsdf_cli.scene import Scene, direction
-from msbsdf_cli.statistics.errors import inner_products
+from msbsdf_cli.statistics.repetitions import inner_products
 from surfaces.facet import Array
 from surfaces.streams import seed_sequence
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.smith.kernel import scatter_density
 from msbsdf_cli.smith.slopes import distribution
 from surfaces.facet import dot
 from surfaces.materials import Conductor, Dielectric, Diffuse
@@ -12,8 +11,9 @@ from surfaces.materials import Conductor, Dielectric, Diffuse
 def dielectric_density(slopes, eta, d, w):
     """q (n,) off and through an interface of index `eta` behind over before; reversed,
     q_t(d -> w) = eta^2 q_t'(-w -> -d), where the dash is for the other side."""
-    glass = Dielectric(eta)
-    return [glass.density(slopes, d, w, transmitted=through)[0] for through in (False, True)]
+    interface = Dielectric(eta)
+    reflected, _ = interface.reflection(slopes, d, w)
+    return reflected, interface.refraction(slopes, d, w)
 
 
 def directions(n, seed):
@@ -35,8 +35,8 @@ def sphere(n):
 @pytest.mark.parametrize("material", [Conductor(), Diffuse((0.3, 1.0))])
 def test_reciprocity(slopes, material):
     d, w = directions(200, 1), directions(200, 2)
-    forth = scatter_density(distribution(slopes)(0.8, 0.3), material, d, w)
-    back = scatter_density(distribution(slopes)(0.8, 0.3), material, -w, -d)
+    forth = material.density(distribution(slopes)(0.8, 0.3), d, w)
+    back = material.density(distribution(slopes)(0.8, 0.3), -w, -d)
     # A mirror is symmetric to rounding, a diffuse facet to its quadrature.
     np.testing.assert_allclose(forth, back, atol=1e-12 if material.name == "conductor" else 1e-5)
 
@@ -58,7 +58,7 @@ def test_all_that_a_mirror_or_an_interface_scatters_is_sigma(slopes, elevation):
     d = np.array([[0.6 * np.cos(elevation)], [0.8 * np.cos(elevation)], [np.sin(elevation)]])
     sigma = surface.sigma(d)[0]
     before = np.broadcast_to(d, w.shape)
-    mirror = scatter_density(surface, Conductor(), before, w)[0] @ weight
+    mirror = Conductor().density(surface, before, w)[0] @ weight
     interface = [sum(dielectric_density(surface, eta, before, w)) @ weight for eta in (1.5, 0.7)]
     # The edges of the kernel cut through the cells of the quadrature: first order in 1/250.
     np.testing.assert_allclose([mirror, *interface], sigma, atol=4e-3 * sigma + 1e-5)
@@ -81,16 +81,16 @@ def test_diffuse_facets_added_up_one_by_one(slopes, alpha):
     weight = surface.D(m) * weight * alpha[0] * alpha[1] / length**3 / np.pi
     for i in range(12):
         expected[i] = (np.maximum(-d[:, i] @ m, 0) * np.maximum(w[:, i] @ m, 0)) @ weight
-    value = scatter_density(surface, Diffuse(), d, w)[0]
+    value = Diffuse().density(surface, d, w)[0]
     # 300 by 600 facets leave 1e-6; the method's 40 nodes about as much.
     np.testing.assert_allclose(value, expected, atol=5e-6)
 
 
 @pytest.mark.parametrize("azimuth", [0.3, 1.0, 2.0, 4.0, 5.5])
 def test_diffuse_density_straight_from_above(azimuth):
-    # The normal of both directions is level there, and its z a zero of either sign.
+    # The axis of the lune is level there, and its z a zero of either sign.
     slopes = distribution("ggx")(1, 1)
     w = np.array([[0.6 * np.cos(azimuth)], [0.6 * np.sin(azimuth)], [0.8]])
-    straight = scatter_density(slopes, Diffuse(), np.array([[0.0], [0.0], [-1.0]]), w)
-    nearly = scatter_density(slopes, Diffuse(), np.array([[1e-7], [0.0], [-1.0]]), w)
+    straight = Diffuse().density(slopes, np.array([[0.0], [0.0], [-1.0]]), w)
+    nearly = Diffuse().density(slopes, np.array([[1e-7], [0.0], [-1.0]]), w)
     np.testing.assert_allclose(straight, nearly, rtol=1e-5)

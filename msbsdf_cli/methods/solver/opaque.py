@@ -2,14 +2,13 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
 from msbsdf_cli.methods.solver.anisotropic import DiffuseGrid, MirrorGrid
 from msbsdf_cli.methods.solver.isotropic import DiffuseModes, MirrorModes
 from msbsdf_cli.methods.solver.nodes import Elevations
-from msbsdf_cli.methods.solver.orders import Kernel, Rows, Table, energy, tabulate
+from msbsdf_cli.methods.solver.orders import Discretisation, Table, energy, tabulate
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
@@ -18,24 +17,8 @@ ENDS = 128
 """Outgoing directions followed together."""
 
 
-class Discretisation(Protocol):
-    """Directions as nodes and blocks, and the scattering kernel between them."""
-
-    def kernel(self) -> Kernel:
-        """Scattering between the nodes."""
-
-    def rows(self, d: Array) -> Rows:
-        """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
-
-    def distinct(self, d: Array) -> tuple[Array, Array]:
-        """Directions (3, m) for which to make rows, and which of them serves each of `d`."""
-
-    def parting(self, a: Array, b: Array) -> Array:
-        """Factors (blocks, n) that sum blocks to values from `a` (3, 1) to `b` (3, n)."""
-
-
 @dataclass(frozen=True)
-class HalfSpace:
+class OpaqueSolution:
     """All orders of a conductor or of diffuse facets, at one resolution."""
 
     slopes: Slopes
@@ -66,8 +49,9 @@ class HalfSpace:
         """Energy (channels, sides, orders + 1) that leaves in each order for `wi` (3,)."""
         grid, table = self._energetic
         reflected = energy(table.kernel, table.extend(grid.rows(wi[:, None])))[..., 0]
-        if isinstance(grid, MirrorGrid):
-            reflected[:, 0] = grid.first(wi)
+        first = grid.first_order(wi)
+        if first is not None:
+            reflected[:, 0] = first
         return np.stack([reflected, np.zeros_like(reflected)], axis=1)
 
     @cached_property
@@ -86,19 +70,17 @@ class HalfSpace:
         rough surfaces all is decided near grazing angles. A grid of directions has to afford
         less in azimuth than Fourier modes do."""
         alpha, wide = sorted((self.slopes.alpha_x, self.slopes.alpha_y))
-        diffuse = self.material.lambertian
+        diffuse = not self.material.specular
         if alpha == wide:
             elevations = Elevations(
                 round(self.resolution * (20 + 2.4 / alpha + 10 * np.sqrt(alpha)))
             )
             modes = round(self.resolution * (64 if diffuse else 40 + 40 / alpha))
             modes = 1 if energy_only else modes
-            if diffuse:
-                return DiffuseModes(self.slopes, self.material, elevations, modes)
-            return MirrorModes(self.slopes, self.material, elevations, modes)
+            kind = DiffuseModes if diffuse else MirrorModes
+            return kind(self.slopes, self.material, elevations, modes)
         elevations = Elevations(round(self.resolution * (14 + 1.2 / alpha + 6 * np.sqrt(wide))))
         lobes = 4 + 1.4 * wide / alpha if energy_only or diffuse else 8 + wide / alpha + 1 / alpha
         quarter, blocks = round(self.resolution * lobes), 1 if energy_only else 4
-        if diffuse:
-            return DiffuseGrid(self.slopes, elevations, quarter, blocks, self.material)
-        return MirrorGrid(self.slopes, elevations, quarter, blocks, self.material)
+        grid = DiffuseGrid if diffuse else MirrorGrid
+        return grid(self.slopes, elevations, quarter, blocks, self.material)

@@ -10,14 +10,14 @@ from functools import cached_property
 import numpy as np
 
 from msbsdf_cli.methods.solver.anisotropic import QuarterGrid
-from msbsdf_cli.methods.solver.facets import Light
 from msbsdf_cli.methods.solver.isotropic import distinct_elevations, parting, upward
 from msbsdf_cli.methods.solver.nodes import SplitElevations, coordinate
+from msbsdf_cli.methods.solver.slope_quadrature import Light
 from surfaces.facet import Array
 
 
 @dataclass(frozen=True)
-class SpreadModes:
+class InterpolatedModes:
     """One roughness: modes of the azimuth from the light's own."""
 
     elevations: SplitElevations
@@ -48,7 +48,7 @@ class SpreadModes:
 
 
 @dataclass(frozen=True)
-class SpreadGrid(QuarterGrid):
+class InterpolatedGrid(QuarterGrid):
     """Two roughnesses: four parities on a quarter of the directions."""
 
     elevations: SplitElevations

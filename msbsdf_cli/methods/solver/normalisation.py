@@ -14,7 +14,7 @@ from surfaces.facet import Array
 
 
 @dataclass(frozen=True)
-class Balance:
+class KernelScale:
     """Scales of the nodes' directions, upward and downward ones seen from either side."""
 
     front: Array
@@ -33,7 +33,7 @@ class Balance:
 
 def balance(
     across: Array, down: Array, turn: Array, weight: Array, sigma: Array, sigma_up: Array
-) -> Balance:
+) -> KernelScale:
     """Scales for kernels (n, n) in block 0: from front to front, to behind, and behind to behind.
 
     `sigma` (n,) are the projected areas towards downward directions, `sigma_up` towards upward
@@ -49,7 +49,7 @@ def balance(
         previous, error = error, np.max(np.abs(correction - 1))
         # It converges by a constant factor, down to rounding.
         if not error < previous:
-            return Balance(scale[:n], scale[n:], weight)
+            return KernelScale(scale[:n], scale[n:], weight)
 
 
 def _ratio(wanted: Array, found: Array) -> Array:

@@ -12,7 +12,7 @@ from surfaces.materials import Material
 
 
 @dataclass(frozen=True)
-class Exits:
+class Outgoing:
     """Directions of leaving, each in the frame of the side it leaves on.
 
     A direction at the horizon counts as out of reach: its cosine is 0, and so is every value.
@@ -30,16 +30,16 @@ class Exits:
         return self.w.shape[1]
 
 
-def exits(slopes: Slopes, wo: Array) -> Exits:
+def outgoing(slopes: Slopes, wo: Array) -> Outgoing:
     """Directions `wo` (3, n) on either side of the surface."""
     inside = wo[2] < 0
     w = np.where(inside, -wo, wo)
     # Finite at the horizon, closer to which than rounding no direction is: times t = 0 it is 0.
     cos_o = np.maximum(w[2], np.finfo(w.dtype).eps ** 2)
-    return Exits(w, inside, slopes.sigma(w) / cos_o)
+    return Outgoing(w, inside, slopes.sigma(w) / cos_o)
 
 
-class Holds:
+class MethodBase:
     """Base of the methods: says what a method holds for, before any work is done."""
 
     name: str
@@ -47,7 +47,7 @@ class Holds:
     """Whether values have no noise, so that samples make no difference."""
     traits: Traits
 
-    def unseen(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
+    def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         """Error (channels, n) that paths may leave in all values from order 2 on which none of
         `samples` walks has found; it adds to `stderr` in quadrature. 0 without noise."""
         return np.zeros((1, wo.shape[1]))
@@ -67,17 +67,8 @@ class Holds:
             )
 
 
-def squared_index(material: Material, inside: Array | bool) -> Array | float:
-    """The squared index of the side, that outside being 1; 1 everywhere but for a dielectric.
-
-    Light carries energy here, not radiance: seen from its other end, a path counts the ratio of
-    the squared indices at its ends.
-    """
-    return np.where(inside, material.ior**2, 1.0) if material.transmits else 1.0
-
-
-def far_end(material: Material, out: Exits) -> Array:
+def adjoint_weight(material: Material, out: Outgoing) -> Array:
     """What a path that is found from its exit counts for the exit, (n,), but for its near end:
     cos(theta_o) times the squared index there; 0 on a side where no light gets to."""
     reached = ~out.inside | material.transmits
-    return np.where(reached, out.w[2] * squared_index(material, out.inside), 0)
+    return np.where(reached, out.w[2] * material.squared_index(out.inside), 0)

@@ -1,4 +1,4 @@
-"""Metals by name: their complex indices, in a file that loads nothing."""
+"""Metals by name."""
 
 METALS: dict[str, tuple[tuple[float, float], ...]] = {
     "gold": ((0.21, 3.272), (0.43, 2.455), (1.31, 1.849)),

@@ -14,9 +14,9 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.methods.solver.facets import Facets
 from msbsdf_cli.methods.solver.heights import Heights
 from msbsdf_cli.methods.solver.nodes import SplitElevations, coordinate
+from msbsdf_cli.methods.solver.slope_quadrature import SlopeQuadrature
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Dielectric, Material
@@ -33,7 +33,7 @@ class Between:
     v: Array
     amount: Array
     """q times the area that lanes stand for, over |cos| (1 + extinction)."""
-    merit: Array
+    mis_weight: Array
     """That of the first facet."""
     interpolation: Array
     """From values at the nodes (lanes, 2 n)."""
@@ -60,11 +60,14 @@ class _Facet:
     event: int
 
     def q(self, d: Array, w: Array) -> tuple[Array, Array]:
-        """q (lanes,) in closed form, and the merit of choosing by it: it has edges where facets
-        point to the horizon, and no limit where light is hardly deflected, and at either the
-        half vector of length |w - d| or |d + eta w| does not rise."""
-        q, _ = Dielectric(self.eta).density(self.slopes, d, w, transmitted=self.event == 1)
-        rise = d[2] + self.eta * w[2] if self.event == 1 else w[2] - d[2]
+        """q (lanes,) in closed form, and its weight for multiple importance sampling: it has edges
+        where facets point to the horizon, and no limit where light is hardly deflected, and at
+        either the half vector of length |w - d| or |d + eta w| does not rise."""
+        interface = Dielectric(self.eta)
+        if self.event == 1:
+            q, rise = interface.refraction(self.slopes, d, w), d[2] + self.eta * w[2]
+        else:
+            q, rise = interface.reflection(self.slopes, d, w)[0], w[2] - d[2]
         return q, q / np.maximum(np.abs(rise), np.finfo(float).tiny ** (0.5 / EDGE)) ** EDGE
 
 
@@ -76,7 +79,7 @@ class SecondOrder:
     material: Material
     elevations: SplitElevations
     heights: Heights
-    facets: Facets
+    facets: SlopeQuadrature
 
     def arrive(self, wi: Array) -> Arrival:
         """For light from `wi` (3,)."""
@@ -100,23 +103,23 @@ class SecondOrder:
         turned about the normal."""
         total = np.zeros(w.shape[1])
         eta = self.material.ior if side == 0 else 1 / self.material.ior
-        chance = self.heights.escape(self.slopes.sigma(end[:, None]) / end[2])[0]
+        probability = self.heights.escape(self.slopes.sigma(end[:, None]) / end[2])[0]
         turned = _turned(arrival.d[:, None], w, end)
         for event, last in enumerate(self.facets.scatter(-end, eta)):
             # Backwards: where a transmission ends, light has come from, on the other side.
             before = side if event == 0 else 1 - side
             near, first = arrival.sides[before], _Facet(self.slopes, self.material.ior, before)
             second = _Facet(self.slopes, eta, event)
-            heights = chance if event == 0 else chance[::-1] / eta**2
+            heights = probability if event == 0 else probability[::-1] / eta**2
             passing, v = arrival.heights[before] @ heights, -last.w
             from_end = last.amount * (self._interpolation(v) @ passing) / self._divisor(v)
             from_start = near.amount * (near.interpolation @ passing)
-            _, merit_2 = second.q(-end[:, None], last.w)
+            _, mis_weight_2 = second.q(-end[:, None], last.w)
             for i in range(w.shape[1]):
-                q_1, merit_1 = first.q(turned[:, i : i + 1], v)
-                total[i] += from_end @ _shared(q_1, merit_1, merit_2)
-                q, merit = second.q(-w[:, i : i + 1], -near.v)
-                total[i] += from_start @ _shared(q, merit, near.merit)
+                q_1, mis_weight_1 = first.q(turned[:, i : i + 1], v)
+                total[i] += from_end @ _shared(q_1, mis_weight_1, mis_weight_2)
+                q, mis_weight = second.q(-w[:, i : i + 1], -near.v)
+                total[i] += from_start @ _shared(q, mis_weight, near.mis_weight)
         return total
 
     @cached_property
@@ -145,9 +148,9 @@ class SecondOrder:
         return divisor
 
 
-def _shared(q: Array, merit: Array, other: Array) -> Array:
+def _shared(q: Array, mis_weight: Array, other: Array) -> Array:
     """q of the facet that did not choose the lanes, times the share of the one that did."""
-    total = merit + other
+    total = mis_weight + other
     share: Array = np.divide(q * other, total, out=np.zeros_like(q), where=total > 0)
     return share
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msbsdf_cli.statistics.jackknife import jackknife
 from surfaces.facet import Array
 
 
@@ -50,12 +51,6 @@ def taken_apart(gram: Array) -> Squared:
     )
 
 
-def jackknife(left_out: Array) -> float:
-    """Standard error from the values (r,) that are left when one of r is left out."""
-    r = len(left_out)
-    return float(np.sqrt((r - 1) / r * ((left_out - left_out.mean()) ** 2).sum()))
-
-
 def root(square: float, stderr: float) -> tuple[float, float]:
     """The root of a squared quantity and its standard error, 0 where noise has it negative."""
     if square <= 0:
@@ -70,41 +65,9 @@ def inner_products(errors: Array, weight: Array) -> Array:
     return flat @ flat.T
 
 
-@dataclass(frozen=True)
-class Accuracy:
-    """Errors of one setting of a method for one incident direction, against the reference."""
-
-    relative: Squared
-    """Over the integral of the squared reference."""
-    each: Array
-    """Squared relative errors of the repetitions, (r,)."""
-    energy: Squared
-    """Squared errors of the energies of all orders, summed; energies are shares of the incident."""
-    total_variation: float
-    """Mean over repetitions of the share of incident light that goes elsewhere."""
-    total_variation_stderr: float
-
-
-def accuracy(values: Array, reference: Array, weight: Array, lumped: bool = False) -> Accuracy:
-    """Errors of `values` (r, channels, orders + 1, n) against `reference` (channels, orders + 1, n)
-    at directions of solid angles `weight` (n,).
-
-    `lumped`: the method knows order 1 and the sum of all others only, and is judged by these.
-    """
-    errors = values - reference
-    total, truth = errors.sum(axis=2), reference.sum(axis=1)
-    scale = float((truth**2 * weight).sum())
-    gram = inner_products(total, weight) / scale
-    energies = (errors * weight).sum(axis=3)
-    if lumped:
-        energies = np.stack([energies[:, :, 0], energies[:, :, 1:].sum(axis=2)], axis=2)
-    energies = energies.reshape(len(errors), -1) / np.sqrt(len(truth))
-    elsewhere = (np.abs(total) * weight).sum(axis=2).mean(axis=1) / 2
-    spread = elsewhere.std(ddof=1) / np.sqrt(len(elsewhere)) if len(elsewhere) > 1 else 0.0
-    return Accuracy(
-        taken_apart(gram),
-        np.diag(gram).copy(),
-        taken_apart(energies @ energies.T),
-        float(elsewhere.mean()),
-        float(spread),
-    )
+def accuracy(values: Array, reference: Array, weight: Array) -> Squared:
+    """Squared relative errors of the sum over orders of `values` (r, channels, orders + 1, n)
+    against `reference` (channels, orders + 1, n) at directions of solid angles `weight` (n,)."""
+    total, truth = (values - reference).sum(axis=2), reference.sum(axis=1)
+    gram = inner_products(total, weight) / float((truth**2 * weight).sum())
+    return taken_apart(gram)

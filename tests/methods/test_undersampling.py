@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from spheres import direction
 
-from msbsdf_cli.methods.directions import exits
+from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.exact import Exact
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.methods.unseen import one_walk
+from msbsdf_cli.methods.undersampling import undersampling_bound
 from msbsdf_cli.methods.walk import Walk
 from msbsdf_cli.methods.walk_low_variance import WalkLowVariance
 from msbsdf_cli.smith.slopes import Beckmann
@@ -27,7 +27,7 @@ def test_rare_paths_are_within_the_error(method, theta):
     z, naive = np.zeros((2, runs, *expected.shape))
     for seed in range(runs):
         got = model.evaluate(wi, WO, 4000, RNG(seed))
-        unseen = model.unseen(wi, WO, 4000, RNG(seed))[:, None]
+        unseen = model.undersampling(wi, WO, 4000, RNG(seed))[:, None]
         off, stderr = got.value[:, 1:] - expected, got.stderr[:, 1:]
         z[seed], naive[seed] = off / np.hypot(stderr, unseen), off / np.maximum(stderr, 1e-300)
     # Where paths come about once in a run, a value is as skewed as a Poisson number of mean 1,
@@ -44,24 +44,24 @@ def test_rare_paths_are_within_the_error(method, theta):
     ids=lambda x: getattr(x, "name", ""),
 )
 def test_one_walk_adds_what_a_facet_sends(material, bound):
-    added = 1000 * one_walk(SMOOTH, material, exits(SMOOTH, WO), 1000, RNG(1))
+    added = 1000 * undersampling_bound(SMOOTH, material, outgoing(SMOOTH, WO), 1000, RNG(1))
     assert added.shape == (1, WO.shape[1])
     assert (added <= bound).all()
     assert (added > 0.05).all()
 
 
 def test_what_is_absorbed_is_not_missing():
-    out = exits(SMOOTH, WO)
-    white, grey, black = one_walk(SMOOTH, Diffuse((1.0, 0.5, 0.0)), out, 1000, RNG(1))
+    out = outgoing(SMOOTH, WO)
+    white, grey, black = undersampling_bound(SMOOTH, Diffuse((1.0, 0.5, 0.0)), out, 1000, RNG(1))
     np.testing.assert_allclose(grey, white / 2)
     assert (black == 0).all()
-    metal = one_walk(SMOOTH, Conductor(((0.2, 3.9),)), out, 1000, RNG(1))
-    mirror = one_walk(SMOOTH, Conductor(), out, 1000, RNG(1))
+    metal = undersampling_bound(SMOOTH, Conductor(((0.2, 3.9),)), out, 1000, RNG(1))
+    mirror = undersampling_bound(SMOOTH, Conductor(), out, 1000, RNG(1))
     assert (metal < mirror).all()
     assert (metal > 0.8 * mirror).all()
 
 
 def test_nothing_is_missing_where_no_light_goes():
-    below = exits(SMOOTH, np.concatenate([-WO, direction([np.pi / 2])], axis=1))
+    below = outgoing(SMOOTH, np.concatenate([-WO, direction([np.pi / 2])], axis=1))
     below.w[2, -1] = 0
-    assert (one_walk(SMOOTH, Conductor(), below, 10, RNG(1)) == 0).all()
+    assert (undersampling_bound(SMOOTH, Conductor(), below, 10, RNG(1)) == 0).all()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.smith.descent import arriving_descent
+from msbsdf_cli.smith.integrated_heights import arriving_heights
 
 PATTERNS = ["", "d", "u", "du", "uu", "ud", "udu", "duud", "uudd", "dudu", "uduud", "ududud"]
 
@@ -15,7 +15,7 @@ def test_chances_along_a_pattern_of_ups_and_downs(pattern):
     L = rng.uniform(0.3, 2, len(pattern) + 1)
     L[0] += 1
     x = rng.uniform(0.2, 2)
-    descent = arriving_descent(L[:1], turns=True)
+    descent = arriving_heights(L[:1], turns=True)
     t, alive = rng.exponential(1 / L[0], samples), np.ones(samples, bool)
     for way, L_i in zip(pattern, L[1:], strict=True):
         step = rng.exponential(1 / L_i, samples)
@@ -32,7 +32,7 @@ def test_chances_along_a_pattern_of_ups_and_downs(pattern):
 
 def test_equal_slants_do_not_divide_by_zero():
     # Differences of Laplace transforms are 0 / 0 here.
-    descent = arriving_descent(np.array([2.0]), turns=False)
+    descent = arriving_heights(np.array([2.0]), turns=False)
     for _ in range(3):
         descent = descent.upward(np.array([2.0]))
     assert descent.leaving(np.array([2.0]))[0][0, 0] == pytest.approx(2.0**-4)

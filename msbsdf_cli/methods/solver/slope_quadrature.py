@@ -39,7 +39,7 @@ class Light:
 
 
 @dataclass(frozen=True)
-class Facets:
+class SlopeQuadrature:
     """Integrals over the facets that face a direction, with `panel` nodes between neighbouring
     edges along either axis. With `half` the facets on one side of the plane of incidence stand
     for both: all that matters to a surface of one roughness."""

@@ -1,11 +1,11 @@
-"""Random walks that always meet another facet, weighted by the chance that they would have."""
+"""Random walks that always meet another facet, weighted by the probability that they would have."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.methods.directions import Exits
+from msbsdf_cli.methods.base import Outgoing
 from msbsdf_cli.methods.estimate import Estimate
 from msbsdf_cli.methods.paths import Paths, coloured, follow, next_event, scatter
 from msbsdf_cli.methods.walk import escape
@@ -15,17 +15,17 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 PATIENCE = 4
-"""A path is ended by chance once it carries less than one part in `PATIENCE`. Any value is
+"""A path is ended by probability once it carries less than one part in `PATIENCE`. Any value is
 unbiased; with 4 variance times time was smallest, or nearly, over roughness 0.3 to 1."""
 
 
 @dataclass(kw_only=True)
-class Forced(Paths):
+class ForcedPaths(Paths):
     """Paths with their coordinate t = -ln C1(h), at the facet they met."""
 
     t: Array
-    share: Array
-    """Chance to have come so far, over the chance that roulette let it, (n,)."""
+    throughput: Array
+    """Probability to have come so far, over the probability that roulette let it, (n,)."""
     other: Array | None = None
     """What the same first facet, seen from the other end, sends towards the start, (n,)."""
 
@@ -45,17 +45,17 @@ def roulette(left: Array, weight: Array | None, rng: np.random.Generator) -> tup
 def forced_free_path(
     t: Array, d: Array, sigma: Array, rng: np.random.Generator
 ) -> tuple[Array, Array]:
-    """The next facet's t, given that there is one, and the chance of that ([HHdD16] 9.1)."""
+    """The next facet's t, given that there is one, and the probability of that ([HHdD16] 9.1)."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        chance = np.where(d[2] > 0, -np.expm1(-t * (sigma / d[2])), 1)
-        E = -np.log1p(-chance * rng.random(t.size, dtype=t.dtype))
-        step = np.where(chance > 0, E * d[2] / sigma, 0)
-    return np.maximum(t - step, np.finfo(t.dtype).tiny), chance.astype(t.dtype, copy=False)
+        probability = np.where(d[2] > 0, -np.expm1(-t * (sigma / d[2])), 1)
+        E = -np.log1p(-probability * rng.random(t.size, dtype=t.dtype))
+        step = np.where(probability > 0, E * d[2] / sigma, 0)
+    return np.maximum(t - step, np.finfo(t.dtype).tiny), probability.astype(t.dtype, copy=False)
 
 
 def leave_facet(
-    slopes: Slopes, material: Material, walks: Forced, rng: np.random.Generator
-) -> Forced:
+    slopes: Slopes, material: Material, walks: ForcedPaths, rng: np.random.Generator
+) -> ForcedPaths:
     """The walks in their directions after the facet."""
     assert walks.m is not None
     after, transmitted = scatter(slopes, material, walks, walks.m, rng)
@@ -64,34 +64,34 @@ def leave_facet(
     return after
 
 
-def next_facet(walks: Forced, rng: np.random.Generator) -> Forced:
+def next_facet(walks: ForcedPaths, rng: np.random.Generator) -> ForcedPaths:
     """The walks that roulette leaves, at their next facet."""
-    walks.t, chance = forced_free_path(walks.t, walks.d, walks.sigma, rng)
-    share = walks.share * chance
-    stays, boost = roulette(share, walks.weight, rng)
-    walks.share = share * boost
+    walks.t, probability = forced_free_path(walks.t, walks.d, walks.sigma, rng)
+    throughput = walks.throughput * probability
+    stays, boost = roulette(throughput, walks.weight, rng)
+    walks.throughput = throughput * boost
     return walks.compress(stays)
 
 
-def follow_forced(
+def follow_forced_paths(
     slopes: Slopes,
     material: Material,
-    walks: Forced,
-    out: Exits,
+    walks: ForcedPaths,
+    out: Outgoing,
     estimate: Estimate,
     rng: np.random.Generator,
     order: int,
-    weigh: Callable[[Array, Forced], Array] = lambda value, walks: value,
+    weigh: Callable[[Array, ForcedPaths], Array] = lambda value, walks: value,
 ) -> None:
-    """Add what walks send to the exits, from their facet number `order` on, until none is left;
-    `weigh` turns contributions (n, exits) into others."""
+    """Add what walks send to the outgoing directions, from their facet number `order` on, until
+    none is left; `weigh` turns contributions (n, directions) into others."""
 
-    def value(walks: Forced) -> Array:
+    def value(walks: ForcedPaths) -> Array:
         phase, colour = next_event(slopes, material, walks, out)
         here = weigh(phase * escape(walks.t, walks.inside, out), walks)
-        return coloured(here * walks.share[:, None], colour, walks.weight)
+        return coloured(here * walks.throughput[:, None], colour, walks.weight)
 
-    def go_on(walks: Forced) -> Forced:
+    def go_on(walks: ForcedPaths) -> ForcedPaths:
         return next_facet(leave_facet(slopes, material, walks, rng), rng)
 
     follow(slopes, material, walks, out.n, estimate, rng, value, go_on, order)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.tradeoff.rows import Row
-from msbsdf_cli.results.directory import Table
 
 ERRORS = (0.1, 0.03, 0.01, 0.003, 0.001)
 """Relative errors asked for."""
@@ -15,7 +14,7 @@ SIGNIFICANT = 3
 
 
 @dataclass(frozen=True)
-class Reach:
+class TimeToAccuracy:
     """Seconds a method needs for a relative error at one angle of incidence."""
 
     method: str
@@ -72,7 +71,7 @@ def uncertainty(rows: list[Row]) -> float:
     return 2 * last.noise_stderr / last.noise if last.noise > 0 else 0.0
 
 
-def reach(rows: list[Row], errors: tuple[float, ...] = ERRORS) -> list[Reach]:
+def times_to_accuracy(rows: list[Row], errors: tuple[float, ...] = ERRORS) -> list[TimeToAccuracy]:
     """For every method of the Smith model's chart, scene, angle and wanted error."""
     groups: dict[tuple[float, float, float], dict[str, list[Row]]] = {}
     for r in rows:
@@ -87,7 +86,7 @@ def reach(rows: list[Row], errors: tuple[float, ...] = ERRORS) -> list[Reach]:
             walk = times.get("walk", (float("nan"), float("nan")))
             fastest = min(t for t, _ in times.values())
             found += [
-                Reach(
+                TimeToAccuracy(
                     name,
                     *place,
                     error,
@@ -103,12 +102,7 @@ def reach(rows: list[Row], errors: tuple[float, ...] = ERRORS) -> list[Reach]:
     return found
 
 
-def table(found: list[Reach]) -> Table:
-    """reach.csv"""
-    return {name: [getattr(r, name) for r in found] for name in Reach.__dataclass_fields__}
-
-
-def sentences(found: list[Reach]) -> list[str]:
+def sentences(found: list[TimeToAccuracy]) -> list[str]:
     """Which method to take for how much error, and where it gains ten times over the walk."""
     said = []
     for error in dict.fromkeys(r.relative_rmse for r in found):
@@ -123,7 +117,7 @@ def sentences(found: list[Reach]) -> list[str]:
     return said
 
 
-def tenfold(found: list[Reach], names: tuple[str, ...] = ("exact", "solve")) -> list[str]:
+def tenfold(found: list[TimeToAccuracy], names: tuple[str, ...] = ("exact", "solve")) -> list[str]:
     """Where these methods are ten times as efficient as the walk, and where they lose to it."""
     if not any(r.method == "walk" for r in found):
         return []
@@ -135,7 +129,7 @@ def tenfold(found: list[Reach], names: tuple[str, ...] = ("exact", "solve")) -> 
     return said
 
 
-def _places(found: list[Reach]) -> str:
+def _places(found: list[TimeToAccuracy]) -> str:
     """`at theta 0, 1 to 1.0% (12 to 30x)`, for each error; or `nowhere here`."""
     parts = []
     for error in dict.fromkeys(r.relative_rmse for r in found):

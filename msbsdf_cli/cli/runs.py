@@ -1,0 +1,83 @@
+"""The reports of both producers of light: written, read, and shown."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from msbsdf_cli.cli.report import Part
+from msbsdf_cli.cli.terminal import measured, show_table
+from msbsdf_cli.results.lobes import REST, Lobes
+from msbsdf_cli.results.run import Run, load_run
+from msbsdf_cli.results.seal import unsealed
+from msbsdf_cli.statistics.tally import SIDES
+
+PRODUCERS = "simulate", "walk"
+"""Commands whose reports hold a run."""
+
+SUMS = "sums.npz"
+"""The sums that the tables of a run were made of."""
+
+
+def write_run(report: Part, draft: Path, run: Run) -> Lobes:
+    """Write the report of a run into `draft`; the light that left."""
+    from msbsdf_cli.plots.free_path import draw_free_paths
+    from msbsdf_cli.plots.lobes import draw_lobes
+    from msbsdf_cli.results.tables import all_tables
+
+    lobes = run.lobes()
+    figures = run.paths, run.bounces_mean, run.wall_s
+    more = {"energies": summary(run)} | run.notes
+    report.write(draft, all_tables(run, lobes), *figures, more)
+    run.save(draft / SUMS)
+    draw_lobes(lobes, draft)
+    draw_free_paths(draft / "free_path.png", run.free_paths)
+    return lobes
+
+
+def read_run(directory: Path) -> tuple[dict[str, Any], Run]:
+    """What run.json says, and the run. Raises click.ClickException where there is none, or one
+    that is no longer as it was written."""
+    try:
+        record = unsealed(directory)
+        if record["command"] not in PRODUCERS:
+            raise ValueError(
+                f"{directory} is a report of `{record['command']}`: one of "
+                f"{' or '.join(f'`{name}`' for name in PRODUCERS)} is wanted."
+            )
+        return record, load_run(directory / SUMS)
+    except ValueError as error:
+        raise click.ClickException(f"{error}") from None
+
+
+def summary(run: Run) -> list[dict[str, Any]]:
+    """Energies in total, one entry for each incident angle."""
+    entries = []
+    sides = SIDES[: 1 + run.scene.material.transmits]
+    for theta, tally in zip(run.scene.theta, run.tallies, strict=True):
+        side = tally.estimate("side")
+        entry: dict[str, Any] = {"theta_i_rad": theta, "phi_i_rad": run.scene.phi}
+        for i, name in enumerate(sides):
+            entry[name] = float(side.value[i])
+            entry[f"{name}_stderr"] = float(side.stderr[i])
+        for name in REST:
+            entry[name] = float(tally.estimate(name).value)
+        entries.append(entry)
+    return entries
+
+
+def show_run(lobes: Lobes, run: Run, unit: str) -> None:
+    """Print energies per order and side, with standard errors in the last digits."""
+    prefixes = [""] if len(lobes.sides) == 1 else ["R ", "T "]
+    names = [f"{p}{order}" for p in prefixes for order in lobes.names]
+    rows = []
+    for i, theta in enumerate(lobes.theta):
+        value, stderr = (a[i].T.ravel() for a in (lobes.energy.value, lobes.energy.stderr))
+        cells = [measured(v, e) for v, e in zip(value, stderr, strict=True)][: len(names)]
+        rest = [measured(lobes.rest[n].value[i], lobes.rest[n].stderr[i]) for n in REST]
+        rows.append([f"{theta:.4g}", *cells, *rest])
+    show_table(["theta", *names, *REST], rows)
+    click.echo(
+        f"{run.paths / run.wall_s:.3g} {unit} a second for {run.wall_s:.1f} s, "
+        f"{run.bounces_mean:.3f} facets each."
+    )

@@ -1,0 +1,1 @@
+"""Figures of the papers, remade: a file each."""

@@ -1,0 +1,71 @@
+"""Distributions of the next facet's height, from independent units."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from msbsdf_cli.statistics.tally import Estimate
+from surfaces.facet import Array
+
+
+@dataclass
+class FreePaths:
+    """Distribution of the next facet's height, for directions of travel and heights of start."""
+
+    theta: tuple[float, ...]
+    """Polar angles of travel in radians."""
+    starts: tuple[float, ...]
+    """Heights of start, in standard deviations or as the height distribution has them."""
+    edges: Array
+    """Edges (bins + 1,) of the height bins."""
+    sums: Array = field(init=False)
+    """Sums over units of W x, W^2 x, W^2 x^2, (3, theta, starts, bins + 1), where x is the share of
+    rays in a bin, the last bin for those that escaped, and W the weight of the unit."""
+    weights: Array = field(init=False)
+    """Sums over units of W and W^2, (2, theta, starts)."""
+    units: Array = field(init=False)
+    """Units with a weight, (theta, starts)."""
+    rays: int = 0
+    """Rays of each row."""
+
+    def __post_init__(self) -> None:
+        rows = len(self.theta), len(self.starts)
+        self.sums = np.zeros((3, *rows, len(self.edges)))
+        self.weights = np.zeros((2, *rows))
+        self.units = np.zeros(rows, int)
+
+    def empty(self) -> "FreePaths":
+        """The same directions, heights and bins, and nothing in them."""
+        return FreePaths(self.theta, self.starts, self.edges)
+
+    def add_unit(self, share: Array, weight: Array, rays: int) -> None:
+        """Take in one unit: shares (theta, starts, bins + 1) of `rays` rays a row, and weights
+        (theta, starts), in proportion to the points that the rays stand for; 0 where none."""
+        w = weight[..., None]
+        self.sums += w * share, w**2 * share, w**2 * share**2
+        self.weights += weight, weight**2
+        self.units += weight > 0
+        self.rays += rays
+
+    def estimate(self) -> Estimate:
+        """Probabilities (theta, starts, bins + 1) and standard errors, those of a ratio of means;
+        not a number for rows with fewer than two units."""
+        first, linear, square = self.sums
+        total, total2 = self.weights[..., None]
+        units = self.units[..., None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            mean = first / total
+            spread = np.maximum(square - 2 * mean * linear + mean**2 * total2, 0) / total**2
+            stderr = np.sqrt(spread * units / (units - 1) + 1 / self.rays**2)
+        return Estimate(mean, np.where(units > 1, stderr, np.nan))
+
+    def rows(self) -> dict[tuple[float, float], Estimate]:
+        """Probabilities (bins + 1,) by direction and height of start, where two units or more had
+        points of that height that face that way."""
+        found = self.estimate()
+        return {
+            (theta, start): Estimate(found.value[i, j], found.stderr[i, j])
+            for i, theta in enumerate(self.theta)
+            for j, start in enumerate(self.starts)
+            if not np.isnan(found.stderr[i, j]).any()
+        }
