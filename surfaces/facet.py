@@ -40,8 +40,10 @@ def fresnel_dielectric(cos_i: Array, eta: Array | float) -> tuple[Array, Array]:
     """
     cos_t = np.sqrt(np.maximum(1 - (1 - cos_i * cos_i) / (eta * eta), 0))
     eta_i, eta_t = eta * cos_i, eta * cos_t
-    r_s = (cos_i - eta_t) / (cos_i + eta_t)
-    r_p = (eta_i - cos_t) / (eta_i + cos_t)
+    # Of light that arrives along the facet and is reflected totally both cosines are 0.
+    tiny = np.finfo(cos_i.dtype).tiny
+    r_s = (cos_i - eta_t + tiny) / (cos_i + eta_t + tiny)
+    r_p = (eta_i - cos_t + tiny) / (eta_i + cos_t + tiny)
     return (r_s * r_s + r_p * r_p) / 2, cos_t
 
 

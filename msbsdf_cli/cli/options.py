@@ -15,6 +15,12 @@ from surfaces.materials._metals import METALS
 Decorator = Callable[[Callable[..., None]], Callable[..., None]]
 
 
+def quoted(value: Any) -> str:
+    """What was typed, however long or odd, as part of a sentence."""
+    text = repr(value) if isinstance(value, str) else str(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
 class Roughness(click.ParamType):
     """`A` or `AX,AY`, positive and finite."""
 
@@ -27,7 +33,9 @@ class Roughness(click.ParamType):
             return value
         alphas = _numbers(self, value, param, ctx)
         if len(alphas) not in (1, 2) or not all(0 < a < math.inf for a in alphas):
-            self.fail(f"{value!r} is not a roughness: one or two numbers above 0.", param, ctx)
+            self.fail(
+                f"{quoted(value)} is not a roughness: one or two numbers above 0.", param, ctx
+            )
         return alphas[0], alphas[-1]
 
 
@@ -51,12 +59,12 @@ class Angles(click.ParamType):
             (number,) = _numbers(self, text.removesuffix("deg"), param, ctx)
             angle = number * factor
             if not self.low <= angle < self.high:
-                self.fail(f"{text!r} is not an angle {self.where}.", param, ctx)
+                self.fail(f"{quoted(text)} is not an angle {self.where}.", param, ctx)
             angles.append(angle)
         if self.count is not None and len(angles) != self.count:
-            self.fail(f"{value!r}: one angle is wanted.", param, ctx)
+            self.fail(f"{quoted(value)}: one angle is wanted.", param, ctx)
         if len(set(angles)) < len(angles):
-            self.fail(f"{value!r} names an angle twice.", param, ctx)
+            self.fail(f"{quoted(value)} names an angle twice.", param, ctx)
         return tuple(angles)
 
 
@@ -74,12 +82,12 @@ class Count(click.ParamType):
         except ValueError:
             (real,) = _numbers(self, value, param, ctx, count=1)
             if not math.isfinite(real) or real != int(real):
-                self.fail(f"{value!r} is not a whole number.", param, ctx)
+                self.fail(f"{quoted(value)} is not a whole number.", param, ctx)
             number = int(real)
         if number < self.least:
-            self.fail(f"{value} is too few: at least {self.least} are wanted.", param, ctx)
+            self.fail(f"{quoted(value)} is too few: at least {self.least} are wanted.", param, ctx)
         if self.even and number % 2:
-            self.fail(f"{value} is odd: an even number is wanted.", param, ctx)
+            self.fail(f"{quoted(value)} is odd: an even number is wanted.", param, ctx)
         return number
 
 
@@ -96,7 +104,7 @@ class Real(click.ParamType):
     ) -> float:
         (number,) = _numbers(self, value, param, ctx, count=1)
         if not (math.isfinite(number) and self.holds(number)):
-            self.fail(f"{value} is not {self.wanted}.", param, ctx)
+            self.fail(f"{quoted(value)} is not {self.wanted}.", param, ctx)
         return number
 
 
@@ -132,10 +140,10 @@ def _numbers(
     try:
         numbers = tuple(float(part) for part in str(value).split(","))
     except ValueError:
-        kind.fail(f"{value!r} is not a number.", param, ctx)
+        kind.fail(f"{quoted(value)} is not a number.", param, ctx)
     if any(math.isnan(x) for x in numbers) or (count is not None and len(numbers) != count):
         wanted = "a number" if count in (None, 1) else f"{count} numbers"
-        kind.fail(f"{value!r} is not {wanted}.", param, ctx)
+        kind.fail(f"{quoted(value)} is not {wanted}.", param, ctx)
     return numbers
 
 
@@ -152,7 +160,7 @@ class Methods(click.ParamType):
         names = tuple(dict.fromkeys(part.strip() for part in value.split(",")))
         for name in names:
             if name not in METHODS:
-                self.fail(f"{name!r} is not a method: one of {', '.join(METHODS)}.", param, ctx)
+                self.fail(f"{quoted(name)} is not a method; --help lists them.", param, ctx)
         return names
 
 

@@ -154,11 +154,6 @@ def half_vector_reflection(normals: Normals, d: Array, w: Array) -> tuple[Array,
 
 
 def density_of_half_vectors(normals: Normals, h: Array, length: Array) -> Array:
-    """D of half vectors (3, ...) of the given length, 0 for those below the horizon.
-
-    So near to the horizon that cos^4 of their angle underflows, they count as below.
-    """
-    horizon = np.finfo(h.dtype).tiny ** 0.25
-    above = h[2] > horizon * length
+    """D of half vectors (3, ...) of the given length, 0 for those below the horizon."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return np.where(above, normals.D(h / length), 0)
+        return np.where(length > 0, normals.D(h / length), 0)

@@ -16,10 +16,11 @@ class Beckmann(Mirrored):
     """Gaussian slopes, of variance alpha^2 / 2 along each axis."""
 
     def D(self, m: Array) -> Array:
-        cos2 = m[2] * m[2]
-        slope2 = ((m[0] / self.alpha_x) ** 2 + (m[1] / self.alpha_y) ** 2) / cos2
-        density = np.exp(-slope2) / (np.pi * self.alpha_x * self.alpha_y * cos2 * cos2)
-        return np.where(m[2] > 0, density, 0)
+        # The fourth root, so that what vanishes at the horizon does so before its divisor.
+        slope2 = ((m[0] / self.alpha_x) ** 2 + (m[1] / self.alpha_y) ** 2) / (m[2] * m[2])
+        root = np.exp(-slope2 / 4) / m[2]
+        square = root * root
+        return np.where(m[2] > 0, square * square / (np.pi * self.alpha_x * self.alpha_y), 0)
 
     def area(self, s: Array, z: Array, a: Array) -> Array:
         # `z * erfc` and not `s * a * erfc`, so that the vertical s = 0 is no special case.

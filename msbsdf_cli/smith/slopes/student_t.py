@@ -34,11 +34,11 @@ class StudentT(Mirrored):
         return self.gamma - 1
 
     def D(self, m: Array) -> Array:
-        cos2 = m[2] * m[2]
-        slope2 = ((m[0] / self.alpha_x) ** 2 + (m[1] / self.alpha_y) ** 2) / cos2
-        bell = np.exp(-self.gamma * np.log1p(slope2 / self._spread))
-        density = bell / (np.pi * self.alpha_x * self.alpha_y * cos2 * cos2)
-        return np.where(m[2] > 0, density, 0)
+        # (1 + r^2 / (gamma - 1))^-gamma / z^4 in logarithms, which neither overflow nor underflow.
+        z2, r2 = m[2] * m[2], (m[0] / self.alpha_x) ** 2 + (m[1] / self.alpha_y) ** 2
+        power = (2 * self.gamma - 4) * np.log(np.where(m[2] > 0, m[2], 1))
+        density = np.exp(power - self.gamma * np.log(z2 + r2 / self._spread))
+        return np.where(m[2] > 0, density / (np.pi * self.alpha_x * self.alpha_y), 0)
 
     def area(self, s: Array, z: Array, a: Array) -> Array:
         # Where the integral of x p(x) from a on ends the tail is a power, and its logarithm safe.
