@@ -160,17 +160,20 @@ SOLVE_GRID_S = 1.5e-2
 """Of one direction of a dielectric by `solve`, of one roughness and of two."""
 
 SETTINGS = 5
-"""Of a method, about."""
+"""About how many settings of each method are measured."""
 
 
 def work_s(options: dict[str, Any]) -> float:
     """About how many seconds of one core this takes; timing runs on one, so all count."""
+    from surfaces.materials import material
+
     runs = len(options["theta"]) * options["replicates"]
     walks = 4 / 3 * options["samples"] * options["directions"] / EVALUATIONS_PER_S
     methods, direction = len(options["method"]), 0.0
-    if options["material"] == "diffuse":
+    facets = material(options["material"])
+    if not facets.specular:
         direction = methods * FIRST_ORDER_S
-    elif options["material"] == "dielectric" and "solve" in options["method"]:
+    elif facets.transmits and "solve" in options["method"]:
         direction = SOLVE_S if len(set(options["alpha"])) == 1 else SOLVE_GRID_S
     directions = SETTINGS * options["directions"] * direction
     return float(runs * (methods * walks + directions) * options["threads"])

@@ -40,12 +40,19 @@ def outgoing(slopes: Slopes, wo: Array) -> Outgoing:
 
 
 class MethodBase:
-    """Base of the methods: says what a method holds for, before any work is done."""
+    """Base of the methods: says which slopes and materials a method supports, before any work."""
 
     name: str
+    slopes: Slopes
+    material: Material
+    orders: int
     deterministic = False
     """Whether values have no noise, so that samples make no difference."""
     traits: Traits
+
+    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
+        self.check_supported(slopes, material)
+        self.slopes, self.material, self.orders = slopes, material, orders
 
     def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         """Error (channels, n) that paths may leave in all values from order 2 on which none of
@@ -65,10 +72,15 @@ class MethodBase:
                 f"method {cls.name} needs an index other than 1: light that goes straight on has "
                 "no density"
             )
+        if material.transmits and (material.absorbs or not material.specular):
+            raise UnsupportedError(
+                f"method {cls.name} is not for {material.name} facets: those that transmit have to "
+                "be specular and absorb nothing, as light through them is followed in one channel"
+            )
 
 
 def adjoint_weight(material: Material, out: Outgoing) -> Array:
-    """What a path that is found from its exit counts for the exit, (n,), but for its near end:
-    cos(theta_o) times the squared index there; 0 on a side where no light gets to."""
+    """What a path that is found from its outgoing direction counts for that direction, (n,), but
+    for its near end: cos(theta_o) times the squared index there; 0 where no light gets to."""
     reached = ~out.inside | material.transmits
     return np.where(reached, out.w[2] * material.squared_index(out.inside), 0)

@@ -112,8 +112,7 @@ class EnergyCompensated(MethodBase):
     deterministic = True
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.check_supported(slopes, material)
-        self.slopes, self.material, self.orders = slopes, material, orders
+        super().__init__(slopes, material, orders)
         self.E = Albedo(slopes, material, inside=False)
         self.E_inside = Albedo(slopes, material, inside=True) if material.transmits else self.E
         self.through = self._share_through()

@@ -75,10 +75,6 @@ class Exact(SampledByWalk):
     name = "exact"
     traits = Traits("#009e73", "D")
 
-    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.check_supported(slopes, material)
-        self.slopes, self.material, self.orders = slopes, material, orders
-
     @classmethod
     def check_supported(cls, slopes: Slopes, material: Material) -> None:
         super().check_supported(slopes, material)

@@ -4,16 +4,15 @@ from functools import partial
 
 import numpy as np
 
-from msbsdf_cli.methods.base import MethodBase, Outgoing, outgoing
+from msbsdf_cli.methods.base import Outgoing, outgoing
 from msbsdf_cli.methods.bidirectional import connect_bidirectionally
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.path_factors import FactoredPaths, go_on, leaving_probability, send
 from msbsdf_cli.methods.paths import arriving, follow, meet, scatter
 from msbsdf_cli.methods.protocol import Evaluation
-from msbsdf_cli.methods.sampling import broadened_pdf
+from msbsdf_cli.methods.sampling import FollowsPaths
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.traits import Traits
-from msbsdf_cli.methods.undersampling import undersampling_bound
 from msbsdf_cli.smith.integrated_heights import extinction_of
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK
@@ -21,7 +20,7 @@ from surfaces.facet import Array
 from surfaces.materials import Material
 
 
-class PositionFree(MethodBase):
+class PositionFree(FollowsPaths):
     """Base of the two models, see `msbsdf_cli.methods.path_factors`; single scattering is in closed
     form, and the orders after it come from one of two estimators:
 
@@ -37,8 +36,7 @@ class PositionFree(MethodBase):
     def __init__(
         self, slopes: Slopes, material: Material, orders: int, bidirectional: bool = False
     ) -> None:
-        self.check_supported(slopes, material)
-        self.slopes, self.material, self.orders = slopes, material, orders
+        super().__init__(slopes, material, orders)
         self.bidirectional = bidirectional
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
@@ -53,11 +51,6 @@ class PositionFree(MethodBase):
         stderr[:, 0] = 0
         return Evaluation(value, stderr)
 
-    def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
-        return undersampling_bound(
-            self.slopes, self.material, outgoing(self.slopes, wo), samples, rng
-        )
-
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """By visible normals, leaving with the model's probability: perfect but for absorption."""
         w = np.empty((3, n), wi.dtype)
@@ -68,9 +61,6 @@ class PositionFree(MethodBase):
             while paths.n:
                 paths = self._sample_facet(paths, w, weight, rng)
         return w, weight
-
-    def pdf(self, wi: Array, wo: Array) -> Array:
-        return broadened_pdf(self.slopes, self.material, wi, wo)
 
     def _arrive(self, wi: Array, n: int) -> FactoredPaths:
         columns = arriving(self.slopes, self.material, np.tile(-wi[:, None], n), np.zeros(n, bool))

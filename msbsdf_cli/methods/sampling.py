@@ -49,19 +49,20 @@ def broadened_pdf(slopes: Slopes, material: Material, wi: Array, wo: Array) -> A
     return (1 - MULTIPLE_SHARE) * first + MULTIPLE_SHARE * lobe
 
 
-class SampledByWalk(MethodBase):
-    """Base of the methods that evaluate the random walk's own model: the walk samples it."""
-
-    slopes: Slopes
-    material: Material
+class FollowsPaths(MethodBase):
+    """Base of the methods that follow paths: these miss some, and no density of them is known."""
 
     def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         return undersampling_bound(
             self.slopes, self.material, outgoing(self.slopes, wo), samples, rng
         )
 
-    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        return sample_walk(self.slopes, self.material, wi, n, rng)
-
     def pdf(self, wi: Array, wo: Array) -> Array:
         return broadened_pdf(self.slopes, self.material, wi, wo)
+
+
+class SampledByWalk(FollowsPaths):
+    """Base of the methods that evaluate the random walk's own model: the walk samples it."""
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        return sample_walk(self.slopes, self.material, wi, n, rng)

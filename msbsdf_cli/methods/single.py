@@ -23,10 +23,6 @@ class Single(MethodBase):
     traits = Traits("0.45", "X", model="single", conserves_energy=False)
     deterministic = True
 
-    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.check_supported(slopes, material)
-        self.slopes, self.material, self.orders = slopes, material, orders
-
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         value = np.zeros((self.material.channels, self.orders + 1, wo.shape[1]), wi.dtype)
         out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))

@@ -11,7 +11,7 @@ from msbsdf_cli.methods.solver.dielectric import DielectricSolution
 from msbsdf_cli.methods.solver.opaque import OpaqueSolution
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
-from surfaces.facet import Array
+from surfaces.facet import Array, fresnel_dielectric
 from surfaces.materials import Material
 
 COARSER = (0.75,)
@@ -31,6 +31,12 @@ REFINEMENTS = 5
 REFINEMENTS_OF_TWO = 3
 """Factor between resolutions, and how many are tried, where an accuracy is asked for: up to 5, or
 2.25 for two roughnesses, whose memory grows by the fourth power."""
+
+
+NO_SAMPLER = "solve evaluates a BSDF without samples, and has no sampler of its own"
+
+COSINES = np.linspace(0.05, 1, 20)
+"""Cosines at which facets are asked whether they are those that the equations are for."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +73,27 @@ class Solve(MethodBase):
         to 3e-7. Towards grazing angles lobes of narrow roughness are narrower than the nodes, and
         directional values there are less accurate: `stderr` shows it.
         """
-        self.check_supported(slopes, material)
-        self.slopes, self.material = slopes, material
+        super().__init__(slopes, material, orders)
         ripples = slopes.alpha_x != slopes.alpha_y or material.transmits
         coarser = COARSER_OF_RIPPLES if ripples else COARSER
         self.fine, *self.coarse = (
             _solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
         )
+
+    @classmethod
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
+        super().check_supported(slopes, material)
+        if not material.specular and not np.allclose(material.lobe(COSINES), COSINES / np.pi):
+            raise UnsupportedError(
+                f"method {cls.name} is not for {material.name} facets: of those that are not "
+                "specular, its equations are for Lambertian ones"
+            )
+        fresnel = fresnel_dielectric(COSINES, material.ior)[0]
+        if material.transmits and not np.allclose(material.reflectance(COSINES), fresnel):
+            raise UnsupportedError(
+                f"method {cls.name} is not for {material.name} facets: of those that transmit, its "
+                "equations are for interfaces with the reflectance of Fresnel's law"
+            )
 
     @classmethod
     def accurate(
@@ -132,15 +152,11 @@ class Solve(MethodBase):
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Not offered."""
-        raise UnsupportedError(
-            "solve evaluates a BSDF without samples, and has no sampler of its own"
-        )
+        raise UnsupportedError(NO_SAMPLER)
 
     def pdf(self, wi: Array, wo: Array) -> Array:
         """Not offered."""
-        raise UnsupportedError(
-            "solve evaluates a BSDF without samples, and has no sampler of its own"
-        )
+        raise UnsupportedError(NO_SAMPLER)
 
 
 def _error(fine: Array, coarse: list[Array]) -> Array:

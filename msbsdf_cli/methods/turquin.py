@@ -32,8 +32,7 @@ class Turquin(MethodBase):
     deterministic = True
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.check_supported(slopes, material)
-        self.slopes, self.material, self.orders = slopes, material, orders
+        super().__init__(slopes, material, orders)
         self.single = Single(slopes, material, orders)
         self.E = Albedo(slopes, material, inside=False)
         self.F0 = material.reflectance(np.ones(1))[:, 0]

@@ -18,10 +18,8 @@ from msbsdf_cli.methods.paths import (
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.traits import Traits
-from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import exponential, flip, free_path
 from surfaces.facet import Array
-from surfaces.materials import Material
 
 
 @dataclass(kw_only=True)
@@ -40,10 +38,6 @@ class Walk(SampledByWalk):
 
     name = "walk"
     traits = Traits("#d55e00", "o")
-
-    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.check_supported(slopes, material)
-        self.slopes, self.material, self.orders = slopes, material, orders
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
@@ -90,8 +84,8 @@ class Walk(SampledByWalk):
 
 
 def escape(t: Array, inside: Array | None, out: Outgoing) -> Array:
-    """Chance exp(-Lambda t) of leaving towards each outgoing direction, (n, directions), from `t`
-    (n,)."""
+    """Probability exp(-Lambda t) of leaving in each outgoing direction, (n, directions), from
+    `t` (n,)."""
     if inside is None:
         return _escape(t, out.Lambda)
     return np.where(

@@ -22,11 +22,9 @@ from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.methods.undersampling import undersampling_bound
-from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
 from surfaces.batch import concatenate
 from surfaces.facet import Array
-from surfaces.materials import Material
 
 ENOUGH_FOR_ERRORS = 64
 """Walks from each wo, if so many can be had, whose scatter is to tell their standard error."""
@@ -50,10 +48,6 @@ class WalkLowVariance(SampledByWalk):
 
     name = "walk-low-variance"
     traits = Traits("#e69f00", "s")
-
-    def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
-        self.check_supported(slopes, material)
-        self.slopes, self.material, self.orders = slopes, material, orders
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
@@ -86,7 +80,7 @@ class WalkLowVariance(SampledByWalk):
     def _from_wi(
         self, wi: Array, ends: "_Ends", samples: int, rng: np.random.Generator
     ) -> tuple[Array, Array]:
-        """Walks from `wi` towards all exits, mean and standard error."""
+        """Walks from `wi` towards all outgoing directions, mean and standard error."""
         estimate = Estimate(self.material.channels, self.orders, ends.out.n)
         for n in batches(samples, ends.out.n):
             walks = self._arrive(np.tile(-wi[:, None], n), np.zeros(n, bool), rng)
@@ -138,7 +132,7 @@ class WalkLowVariance(SampledByWalk):
 
     def _seen_from_beyond(self, walks: ForcedPaths, after: ForcedPaths) -> Array:
         """What the same path, walked from its other end, would send to this walk's start."""
-        # From the horizon Lambda is finite here, as in `exits`.
+        # From the horizon Lambda is finite here, as in `outgoing`.
         cos = np.maximum(-walks.d[2], np.finfo(walks.d.dtype).eps ** 2)
         Lambda = self.slopes.sigma(-walks.d) / cos
         back = reversed_phase(self.slopes, self.material, walks, after)
@@ -147,17 +141,17 @@ class WalkLowVariance(SampledByWalk):
 
 @dataclass(frozen=True)
 class _Ends:
-    """The exits, and how the walks from there compare with those from wi."""
+    """The outgoing directions, and how the walks from there compare with those from wi."""
 
     out: Outgoing
     per_walk: float
     """Walks from each outgoing direction for one from wi."""
     scale: Array
-    """What a walk from the exit counts, (exits,)."""
+    """What a walk from each outgoing direction counts, (directions,)."""
 
     def balance(self, here: Array, walks: ForcedPaths) -> Array:
-        """Contributions (n, directions) of walks from wi, or from exits of number `start`, weighed
-        against those of the same paths found from the other end."""
+        """Contributions (n, directions) of walks from wi, or from the directions that `start`
+        numbers, weighed against those of the same paths found from the other end."""
         if walks.other is None:
             return here
         tiny = np.finfo(here.dtype).tiny

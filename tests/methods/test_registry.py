@@ -7,7 +7,8 @@ from spheres import direction, hemisphere, sphere
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
-from surfaces.materials import Conductor, Dielectric, Diffuse
+from surfaces.facet import reflect
+from surfaces.materials import Conductor, Dielectric, Diffuse, Material, Scattered
 
 RNG = np.random.default_rng
 MATERIALS = [Conductor(((0.2, 3.9), (1.5, 2.0))), Diffuse((0.9, 0.3, 0.5)), Dielectric(1.5)]
@@ -16,6 +17,59 @@ REFUSED = {
     *(("exact", "dielectric"), ("energy-compensated", "diffuse")),
     *(("turquin", "diffuse"), ("turquin", "dielectric")),
 }
+
+
+class HalfMirror(Material):
+    """A material that the program does not know, and that keeps half of each reflection."""
+
+    absorbs = True
+
+    def scatter(self, d, m, inside, rng):
+        return Scattered(reflect(d, m), np.full((1, 1), 0.5))
+
+    def reflection(self, normals, d, w, inside=False):
+        density, _ = Conductor().reflection(normals, d, w)
+        return density, np.full((1, *density.shape), 0.5)
+
+    def reflectance(self, cos_i, inside=False):
+        return np.full((1, *cos_i.shape), 0.5)
+
+
+class TintedGlass(Dielectric):
+    absorbs = True
+
+
+class HalfSilvered(Dielectric):
+    def reflectance(self, cos_i, inside=False):
+        return np.full((1, *cos_i.shape), 0.5)
+
+
+class Glossy(Diffuse):
+    def lobe(self, cos_o):
+        return 2 * super().lobe(cos_o) ** 2
+
+
+@pytest.mark.parametrize("name", ["single", "walk", "solve"])
+def test_an_unknown_mirror_keeps_half_at_each_facet(name):
+    # Same walks, no roulette, and halves are exact: each order is that of a perfect mirror, halved
+    # once for each facet.
+    slopes, wi, wo = Ggx(0.8, 0.8), direction(0.8, 0.3), hemisphere(6)[0]
+    half, full = (
+        METHODS[name](slopes, material, 3).evaluate(wi, wo, 200, RNG(0)).value[0, :3]
+        for material in (HalfMirror(), Conductor())
+    )
+    assert (full[0] > 0).any()
+    np.testing.assert_allclose(half, full * [[0.5], [0.25], [0.125]], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "material"),
+    [*((name, TintedGlass()) for name in METHODS), ("solve", HalfSilvered()), ("solve", Glossy())],
+    ids=lambda case: case if isinstance(case, str) else type(case).__name__,
+)
+def test_facets_that_a_method_does_not_follow_are_refused(name, material):
+    with pytest.raises(UnsupportedError, match=f"method {name}"):
+        METHODS[name](Ggx(0.8, 0.8), material, 2)
 
 
 @pytest.mark.parametrize("name", SAMPLED)

@@ -34,7 +34,7 @@ class Heights:
         return _height(gauss(self.n)[0])
 
     def escape(self, Lambda: Array) -> Array:
-        """Chance (..., n) of leaving from each height in upward directions ([HHdD16] Eq. 1)."""
+        """Probability (..., n) of leaving each height in upward directions ([HHdD16] Eq. 1)."""
         probability: Array = np.exp(-np.multiply.outer(Lambda, self.t))
         return probability
 
