@@ -15,6 +15,7 @@ from msbsdf_cli.validation import reference
 from msbsdf_cli.validation.batches import of_batches, of_two
 from msbsdf_cli.validation.configurations import (
     GRAZING,
+    LOSSLESS,
     Configuration,
     random_above,
 )
@@ -107,7 +108,7 @@ def _directions(c: Configuration, walks: int, rng: np.random.Generator) -> tuple
     facets the hemisphere alone will do.
     """
     slopes, material = c.distribution(), c.facets()
-    diffuse = c.material == "diffuse"
+    diffuse = not c.facets().specular
     n = walks // DIFFUSE_FEWER if diffuse else walks
     first = 0 if diffuse else int(FIRST_SHARE * n)
     m = slopes.visible_normals(c.i, first, rng)
@@ -167,7 +168,7 @@ def _closed_form(c: Configuration, rng: np.random.Generator) -> tuple[float, flo
     masking and shadowing, on a grid of its own.
     """
     correlated = METHODS[c.method].traits.correlated
-    if c.material == "diffuse":
+    if not c.facets().specular:
         value = reference.diffuse_scattering(c, c.i, c.o, correlated)
         return value, DIFFUSE_ERROR, "quadrature over diffuse facets, the program's and this one"
     value = reference.single_scattering(c, c.i, c.o, correlated)
@@ -214,7 +215,7 @@ def hard() -> list[Configuration]:
     return [
         Configuration(slopes, alpha, wi, material=material, method=method)
         for method in sampled()
-        for material in ("conductor", "diffuse", "dielectric")
+        for material in LOSSLESS
         for slopes, alpha, wi in cases
     ]
 
@@ -222,7 +223,7 @@ def hard() -> list[Configuration]:
 def drawn(rng: np.random.Generator) -> Configuration:
     """Any method, material, slopes and direction above the surface."""
     c = replace(random_above(rng), wo=None, heights="")
-    material = str(rng.choice(["conductor", "diffuse", "dielectric"]))
+    material = str(rng.choice(LOSSLESS))
     return replace(c, material=material, method=str(rng.choice(sampled())))
 
 

@@ -8,12 +8,16 @@ import numpy as np
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.slopes import NAMES, Slopes, distribution
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Dielectric, Diffuse, Material
+from surfaces.materials import NAMES as MATERIALS
+from surfaces.materials import Conductor, Dielectric, Material, material
 
 ROUGHNESS = (0.05, 2.0)
 """Least and largest roughness that is drawn, along either axis."""
 
-IOR = 1.5
+IOR = Dielectric().ior
+
+LOSSLESS = tuple(name for name in MATERIALS if not material(name)().absorbs)
+"""Materials of which all light comes back, unless they are told otherwise."""
 
 GRAZING = 1.5
 """Polar angle of the hard directions that graze the surface."""
@@ -42,12 +46,11 @@ class Configuration:
         return distribution(self.slopes)(*self.alpha)
 
     def facets(self) -> Material:
-        """The facets: lossless, unless they are of a metal."""
-        if self.material == "diffuse":
-            return Diffuse()
-        if self.material == "dielectric":
-            return Dielectric(IOR)
-        return Conductor(() if self.eta_k is None else (self.eta_k,))
+        """The facets: lossless, unless they are of a metal; glass has the index `IOR`."""
+        if self.eta_k is not None:
+            return Conductor((self.eta_k,))
+        facets: Material = material(self.material or "conductor")()
+        return facets
 
     @property
     def i(self) -> Array:

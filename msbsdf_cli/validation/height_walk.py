@@ -13,7 +13,7 @@ from scipy.special import ndtr, ndtri
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.statistics.test_statistics import ChiSquare
-from msbsdf_cli.validation.configurations import GRAZING, Configuration, random_above
+from msbsdf_cli.validation.configurations import GRAZING, LOSSLESS, Configuration, random_above
 from msbsdf_cli.validation.identity import Identity
 from surfaces.facet import Array
 
@@ -108,7 +108,7 @@ def hard() -> list[Configuration]:
     cases = [("beckmann", (1.0, 1.0), (GRAZING, 0.0)), ("ggx", (2.0, 0.5), (0.6, 0.4))]
     return [
         Configuration(slopes, alpha, wi, material=material, heights=heights)
-        for material in ("conductor", "diffuse", "dielectric")
+        for material in LOSSLESS
         for heights in ("uniform", "gaussian")
         for slopes, alpha, wi in cases
     ]
@@ -116,7 +116,7 @@ def hard() -> list[Configuration]:
 
 def drawn(rng: np.random.Generator) -> Configuration:
     """Anything from above."""
-    material = str(rng.choice(["conductor", "diffuse", "dielectric"]))
+    material = str(rng.choice(LOSSLESS))
     return replace(random_above(rng), wo=None, material=material)
 
 

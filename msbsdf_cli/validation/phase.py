@@ -10,6 +10,7 @@ from msbsdf_cli.statistics.test_statistics import Exact
 from msbsdf_cli.validation.batches import of_batches, of_two
 from msbsdf_cli.validation.configurations import (
     IOR,
+    LOSSLESS,
     Configuration,
     random_anywhere,
     random_direction,
@@ -61,10 +62,10 @@ def phase_function(c: Configuration, n: int, rng: np.random.Generator) -> Iterat
     slopes, material = c.distribution(), c.facets()
     if projected_area(c, c.i) < SEEN:
         return
-    if c.material == "diffuse":
+    if not c.facets().specular:
         n = n // DIFFUSE_COST
     summed = phase_moments(c, n, rng)
-    slack = DIFFUSE_ERROR if c.material == "diffuse" else 0.0
+    slack = DIFFUSE_ERROR if not c.facets().specular else 0.0
     because = "quadrature over the normals of diffuse facets"
     evidence = of_batches(1.0, summed[:, 0], slack, because)
     yield Finding("phase function, normalisation", "4.3.1", c, evidence)
@@ -103,7 +104,7 @@ def _same(c: Configuration, name: str, there: Array, back: Array) -> Finding:
     """The largest difference over the largest value."""
     worst = float(np.abs(there - back).max() / np.abs(there).max())
     slack, because = 1e-9, "rounding of half vectors, over the largest value"
-    if c.material == "diffuse":
+    if not c.facets().specular:
         slack, because = 10 * DIFFUSE_ERROR, "quadrature over the normals of diffuse facets"
     return Finding(name, "4.3.2, [HHdD16] Eq. 39", c, Exact(0.0, worst, slack, because))
 
@@ -123,14 +124,14 @@ def hard() -> list[Configuration]:
     ]
     return [
         Configuration(slopes, alpha, wi, material=material)
-        for material in ("conductor", "diffuse", "dielectric")
+        for material in LOSSLESS
         for slopes, alpha, wi in cases
     ]
 
 
 def drawn(rng: np.random.Generator) -> Configuration:
     """Anything, of any material."""
-    material = str(rng.choice(["conductor", "diffuse", "dielectric"]))
+    material = str(rng.choice(LOSSLESS))
     return replace(random_anywhere(rng), wo=None, heights="", material=material)
 
 

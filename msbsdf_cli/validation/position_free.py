@@ -53,7 +53,7 @@ def spherical_masking(c: Configuration, n: int, rng: np.random.Generator) -> Ite
 
 def exceeds_one(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """The polar angle below the horizon beyond which distant masking exceeds 1: where Lambda(-w)
-    falls to 1 (figure 2); for GGX tan(theta) = -sqrt(8) / alpha."""
+    falls to 1 (figure 2)."""
 
     def excess(theta: float, phi: float) -> float:
         up = Configuration(c.slopes, c.alpha, (np.pi - theta, phi)).i
@@ -64,10 +64,7 @@ def exceeds_one(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[
         return projected_area(c, -up) / float(up[2, 0]) - 1
 
     bracket = np.pi / 2 + 1e-3, np.pi - 1e-3
-    if c.slopes == "ggx":
-        expected = np.pi - np.arctan(np.sqrt(8) / c.alpha[0])
-    else:
-        expected = brentq(wanted, *bracket, xtol=1e-13)
+    expected = brentq(wanted, *bracket, xtol=1e-13)
     measured = brentq(excess, *bracket, args=(0.0,), xtol=1e-13)
     evidence = Exact(float(expected), float(measured), INTEGRAL_ERROR, "root of a smooth function")
     yield Finding("distant masking, angle where it exceeds 1", SECTION + "3, fig. 2", c, evidence)

@@ -78,9 +78,9 @@ def _after_second(c: Configuration, material: Material, w: Array, rng: Generator
 
 def _evidence(c: Configuration, one: Array, two: Array) -> TestStatistic:
     slack, because = ROUNDING, "rounding"
-    if c.material == "diffuse":
+    if not c.facets().specular:
         slack, because = QUADRATURE_ERROR, "quadrature over diffuse facets"
-    elif (traits := METHODS[c.method].traits).energy_error and c.material == "dielectric":
+    elif (traits := METHODS[c.method].traits).energy_error and c.facets().transmits:
         slack, because = traits.slack(c.material), "tables of albedos of both indices"
     slack *= float(one.mean())
     if one.size == 1 and two.size == 1:

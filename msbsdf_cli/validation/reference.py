@@ -40,8 +40,9 @@ def projected_area(c: Configuration, w: Array) -> float:
         return max(z, 0.0)
     node, weight = np.polynomial.legendre.leggauss(NODES)
     end = np.arctan2(z, s)
-    # The Gaussian is nearly nothing beyond x = 30, wherever that leaves its share of nodes.
-    start = min(-np.arctan(30.0), end - 1e-3) if c.slopes == "beckmann" else -np.pi / 2
+    # Where the density is nothing to double precision there is no need of nodes.
+    steepest = 30.0 if c.distribution().marginal_density(np.array(30.0)) == 0 else np.inf
+    start = min(-np.arctan(steepest), end - 1e-3)
     parts = _split(start, end)
     total = 0.0
     for a, b in pairwise(parts):
@@ -108,7 +109,7 @@ def single_scattering(c: Configuration, wi: Array, wo: Array, correlated: bool =
     h = h / length
     cos_i, cos_o = float((wi * h).sum()), float((wo * h).sum())
     D = float(normal_density(c, h)[0])
-    F = 1.0 if c.material == "conductor" else float(fresnel(np.array([cos_i]), IOR)[0])
+    F = float(fresnel(np.array([cos_i]), IOR)[0]) if c.facets().transmits else 1.0
     if reflected:
         return F * D * G2 / (4 * float(wi[2, 0]))
     if cos_i <= 0 or cos_o >= 0:

@@ -54,12 +54,12 @@ def solved(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Findi
     slack = float(there_error.sum() + scale * back_error.sum()) + ROUNDING * float(there.sum())
     evidence = Exact(float(there.sum()), scale * float(back.sum()), slack, OWN)
     yield Finding("reciprocity, without noise", "4.4.2", c, evidence)
-    if c.material != "diffuse":
+    if c.facets().specular:
         closed = reference.single_scattering(c, c.i, c.o)
         slack = float(there_error[0]) + ROUNDING * closed
         evidence = Exact(closed, float(there[0]), slack, OWN)
         yield Finding("first order, without noise", "4.4.3", c, evidence)
-    if c.material == "dielectric" and min(c.alpha) >= ROUGH:
+    if c.facets().transmits and min(c.alpha) >= ROUGH:
         yield from _towards(c, method, n, rng)
     counts = _walked(c, n, rng)
     orders = ChiSquare.of_counts(counts.ravel(), n * sides.ravel(), "orders and sides")
