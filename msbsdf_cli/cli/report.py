@@ -10,7 +10,6 @@ from typing import Any
 import click
 
 from msbsdf_cli.results.directory import (
-    RUN,
     Table,
     json_text,
     new_report,
@@ -20,6 +19,7 @@ from msbsdf_cli.results.directory import (
     write_json,
 )
 from msbsdf_cli.results.manifest import manifest, now
+from msbsdf_cli.results.seal import RUN
 
 
 @dataclass

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
@@ -11,7 +12,7 @@ from matplotlib.ticker import LogLocator
 from msbsdf_cli.experiments.tradeoff.floors import Floor
 from msbsdf_cli.experiments.tradeoff.rows import Row
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.plots.style import plt, save
+from msbsdf_cli.plots.style import save
 
 SIMULATED = "#000000", "p"
 """Colour and marker of the explicit surfaces."""
