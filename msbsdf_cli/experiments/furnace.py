@@ -133,7 +133,7 @@ def _integrate(
     first = single.sample(wi, FIRST, rng)[1].mean(axis=1)
     wo, share = _outgoing(single, wi, rng)
     found = method.evaluate(wi, wo, walks, rng)
-    added = found.value
+    added = found.value.copy()
     added[:, 0] -= first_order(single.slopes, single.material, wi, outgoing(single.slopes, wo))
     orders = added @ share
     orders[:, 0] += first
