@@ -1,7 +1,9 @@
 """The command `msbsdf`. Commands are imported when they are called, so that help is immediate."""
 
 import os
+import signal
 import sys
+import threading
 from importlib import import_module
 
 import click
@@ -54,11 +56,36 @@ def main() -> None:
     # only compete with it.
     for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    _open_streams()
+    _stop_cleanly()
     try:
         group(standalone_mode=True)
     except (OSError, MemoryError, ArithmeticError, RuntimeError) as error:
         click.echo(f"Error: the run failed: {describe(error)}", err=True)
         sys.exit(1)
+
+
+def _open_streams() -> None:
+    """Let what is said on a stream that the user has closed be lost, and nothing else."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
+
+
+def _stop_cleanly() -> None:
+    """Make an end by another signal as clean as one by Ctrl-C."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        # What the caller has told to be ignored, as `nohup` does, stays so.
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, _stop)
+
+
+def _stop(number: int, frame: object) -> None:
+    click.echo(f"Error: stopped by {signal.Signals(number).name}; no report is written.", err=True)
+    sys.exit(128 + number)
 
 
 def describe(error: BaseException) -> str:

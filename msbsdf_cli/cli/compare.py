@@ -39,7 +39,7 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     scene = next((run.scene for run in handed.values()), None) or common.scene_from(options)
     free_paths = common.free_paths_from(options, "gaussian")
     check_pair(handed, runs)
-    report = Report("compare", scene.slug(), options)
+    report = Report("compare", scene.slug(), options, tuple(map(Path, runs)))
     resolution = prepare(scene, options, handed, report)
     with report.draft() as draft:
         work = scene, resolution, free_paths, options
@@ -189,7 +189,7 @@ def write(report: Any, draft: Path, run: Any, models: list[Any]) -> list[Any]:
     from msbsdf_cli.experiments.compare import Row, agreement
     from msbsdf_cli.plots.free_path import draw_free_paths
     from msbsdf_cli.plots.lobes import draw_methods
-    from msbsdf_cli.results.directory import columns
+    from msbsdf_cli.results.files import columns
 
     simulated, rows, sentences = run.lobes(), [], []
     for model in models:
@@ -222,7 +222,7 @@ def draw_pair(place: Path, rows: list[Any], simulated: Any, model: Any) -> None:
 
 def write_methods(draft: Path, models: list[Any], options: dict[str, Any]) -> None:
     """A directory for each method: its energies and lobes in the bins of the simulation."""
-    from msbsdf_cli.results.directory import write_csv, write_json
+    from msbsdf_cli.results.files import write_csv, write_json
     from msbsdf_cli.results.seal import RUN
     from msbsdf_cli.results.tables import energy, lobe
 

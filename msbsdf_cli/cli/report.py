@@ -9,16 +9,15 @@ from typing import Any
 
 import click
 
-from msbsdf_cli.results.directory import (
+from msbsdf_cli.results.files import (
     Table,
     json_text,
-    new_report,
     not_finite,
-    refuse_existing,
     write_csv,
     write_json,
 )
 from msbsdf_cli.results.manifest import manifest, now
+from msbsdf_cli.results.place import Place, PlaceTakenError
 from msbsdf_cli.results.seal import RUN
 
 
@@ -63,23 +62,34 @@ class Part:
 
 
 class Report(Part):
-    """The report of a command; refused where its place is taken."""
+    """The report of a command; refused where its place is taken, or is one of its `inputs`."""
 
-    def __init__(self, command: str, slug: str, options: dict[str, Any]) -> None:
+    def __init__(
+        self, command: str, slug: str, options: dict[str, Any], inputs: tuple[Path, ...] = ()
+    ) -> None:
         super().__init__(command, options)
-        self.out = Path(options["out"] or f"reports/{command}-{slug}")
-        refuse_existing(self.out, options["force"])
+        out = f"reports/{command}-{slug}" if options["out"] is None else options["out"]
+        try:
+            self.place = Place(out, options["force"], inputs)
+        except PlaceTakenError as taken:
+            raise click.BadParameter(f"{taken}", param_hint="--out") from None
 
     @contextmanager
     def draft(self) -> Iterator[Path]:
         """A directory to write into, which becomes the report when all is written."""
-        with new_report(self.out) as draft:
+        wanted = self.place.out
+        with self.place.draft() as draft:
             yield draft
+        if self.place.out != wanted:
+            click.echo(
+                f"Warning: {wanted} was taken while this ran; the report is in {self.place.out}.",
+                err=True,
+            )
 
     def end(self, show: Callable[[], None]) -> None:
         """Say what came out: as JSON, by `show` and where the report is, or not at all."""
         if self.options["as_json"]:
-            click.echo(json_text(self.record | {"report": str(self.out)}))
+            click.echo(json_text(self.record | {"report": str(self.place.out)}))
         elif not self.options["quiet"]:
             show()
-            click.echo(f"Report: {self.out}")
+            click.echo(f"Report: {self.place.out}")

@@ -133,7 +133,7 @@ def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:
     """convergence.csv and convergence.png"""
     from msbsdf_cli.experiments.convergence import convergence
     from msbsdf_cli.plots.convergence import draw_convergence
-    from msbsdf_cli.results.directory import write_csv
+    from msbsdf_cli.results.files import write_csv
 
     rays = options["samples"], options["seed"], options["threads"], options["quiet"]
     table = convergence(scene, *rays)

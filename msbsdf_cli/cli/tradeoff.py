@@ -105,7 +105,7 @@ def tables(result: Any) -> dict[str, Any]:
     from msbsdf_cli.experiments.tradeoff.rows import Row
     from msbsdf_cli.experiments.tradeoff.scaling import Scaling
     from msbsdf_cli.experiments.tradeoff.time_to_accuracy import TimeToAccuracy, times_to_accuracy
-    from msbsdf_cli.results.directory import columns
+    from msbsdf_cli.results.files import columns
 
     found = {
         "tradeoff.csv": (Row, result.rows),

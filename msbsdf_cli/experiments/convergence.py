@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.realisations import Resolution, make_surface
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import order_names
-from msbsdf_cli.run.executors import Progress, Workers, map_ordered
+from msbsdf_cli.run.executors import Workers, map_ordered
+from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.tally import SIDES, Tally
 from surfaces.facet import Array

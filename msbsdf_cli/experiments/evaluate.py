@@ -10,7 +10,8 @@ import numpy as np
 from msbsdf_cli.methods.position_free import PositionFree
 from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.run.executors import Progress, Workers, map_ordered
+from msbsdf_cli.run.executors import Workers, map_ordered
+from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene
 from surfaces.facet import Array
 from surfaces.streams import stream

@@ -18,9 +18,10 @@ from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.single import Single, first_order, phase_density
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import order_names
-from msbsdf_cli.run.executors import Progress, Workers, map_ordered
+from msbsdf_cli.run.executors import Workers, map_ordered
+from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene, direction
 from surfaces.facet import Array, unit_circle
 from surfaces.streams import stream

@@ -8,7 +8,8 @@ import numpy as np
 from msbsdf_cli.experiments.discretisation import COARSER, pairs, squared_errors
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
-from msbsdf_cli.run.executors import Progress, Workers, map_ordered
+from msbsdf_cli.run.executors import Workers, map_ordered
+from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.statistics.tally import MERGED, PHI_BINS, THETA_BINS, Tally, merge_bins
 from surfaces.facet import Array

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.evaluate import Values
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import order_names
 from msbsdf_cli.scene import Scene
 from surfaces.facet import Array

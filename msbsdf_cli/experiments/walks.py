@@ -8,7 +8,8 @@ from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
-from msbsdf_cli.run.executors import Progress, Workers, map_ordered
+from msbsdf_cli.run.executors import Workers, map_ordered
+from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.smith.heights import HEIGHTS, Heights
 from msbsdf_cli.smith.slopes import Slopes

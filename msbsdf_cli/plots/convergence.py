@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from msbsdf_cli.plots.style import order_colour, panels, save
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 
 AXES = {
     "cells": "cells a correlation length",

@@ -6,7 +6,7 @@ import numpy as np
 
 from msbsdf_cli.plots.style import panels, save
 from msbsdf_cli.plots.tradeoff import look
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 
 BIDIRECTIONAL = "-bidirectional"
 

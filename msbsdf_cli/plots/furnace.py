@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 from msbsdf_cli.plots.style import method_look, panels, save
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 from surfaces.facet import Array
 
 PIXELS = 160

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from msbsdf_cli.plots.style import BAND_ROOM, DASHES, method_look, panels, save
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 from surfaces.facet import Array
 
 NUMBERS = ("theta_i_rad", "theta_o_rad", "phi_o_rad", "value_per_sr", "stderr_per_sr")

@@ -12,7 +12,7 @@ def seal(directory: Path) -> None:
     """Put into every run.json below `directory` the digests of the files beside and below it, and
     one of itself."""
     for path in sorted(directory.rglob(RUN), key=lambda p: -len(p.parts)):
-        files = sorted(p for p in path.parent.rglob("*") if p.is_file() and p != path)
+        files = sorted(p for p in path.parent.rglob("[!.]*") if p.is_file() and p != path)
         run = json.loads(path.read_text(encoding="utf-8"))
         run["files"] = {str(p.relative_to(path.parent)): _digest(p.read_bytes()) for p in files}
         run["digest"] = _of_run(run)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.run import Run
 from msbsdf_cli.statistics.tally import MOMENTS, PHI_BINS, SIDES, lobe_axes, sequence_names

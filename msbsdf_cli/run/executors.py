@@ -1,12 +1,14 @@
-"""Independent jobs on all cores, or on any executor, their results in order, with progress.
+"""Independent jobs on all cores, or on any executor, their results in order.
 
 Processes, not threads: an array operation on a block that fits the cache takes microseconds, and
 threads would spend as long again handing the interpreter to each other.
 """
 
 import multiprocessing
+import os
 import signal
 import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -14,8 +16,6 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, TypeVar
-
-import click
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -75,7 +75,7 @@ def _processes(count: int) -> Iterator[Executor]:
     """An executor of processes of our own, which are killed if anything interrupts the work."""
     # A fork starts at once; elsewhere than on Linux system libraries do not survive it.
     context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
-    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_ignore_interrupts)
+    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin)
     try:
         yield pool
     except BaseException as error:
@@ -100,41 +100,21 @@ def _kill(pool: ProcessPoolExecutor) -> None:
     pool._result_queue._writer.close()  # type: ignore[attr-defined]
 
 
-def _ignore_interrupts() -> None:
-    """Ctrl-C is for the parent, which then ends its processes."""
+def _begin() -> None:
+    """Leave signals to the parent, which then ends its processes, and never outlive it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for name in ("SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
 
 
-class Progress:
-    """A line on standard error with the share done, the rate and the time left."""
+def _end_with(parent: int) -> None:
+    """End this process once its parent has, however that ended."""
+    while os.getppid() == parent:
+        time.sleep(LOOK_S)
+    os._exit(1)
 
-    def __init__(self, label: str, total: float, unit: str, quiet: bool) -> None:
-        self.started = time.monotonic()
-        self.done = 0.0
-        self.unit = unit
-        self.bar: Any = click.progressbar(
-            length=1000,
-            label=label,
-            file=sys.stderr,
-            hidden=quiet or not sys.stderr.isatty(),
-            item_show_func=lambda _: f"{self.rate:.3g} {unit}/s",
-        )
-        self.total = total
 
-    @property
-    def rate(self) -> float:
-        """Units done a second."""
-        return self.done / max(time.monotonic() - self.started, 1e-9)
-
-    def __enter__(self) -> "Progress":
-        self.bar.__enter__()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.bar.__exit__(None, None, None)
-
-    def advance(self, amount: float) -> None:
-        """Count work as done."""
-        before = int(1000 * self.done / self.total)
-        self.done += amount
-        self.bar.update(int(1000 * self.done / self.total) - before, self.unit)
+LOOK_S = 0.25
+"""How often a process looks whether its parent lives."""

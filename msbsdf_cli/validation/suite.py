@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.run.executors import Progress, map_ordered
+from msbsdf_cli.run.executors import map_ordered
+from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.validation import (
     bsdf,

@@ -5,7 +5,7 @@ from statistics import median
 from typing import Any
 
 from msbsdf_cli.cli.terminal import measured
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 from msbsdf_cli.statistics.multiple_testing import (
     AGREEMENT,
     FAILS,

@@ -17,7 +17,7 @@ from msbsdf_cli.experiments.tradeoff.roughness import ALPHAS
 from msbsdf_cli.methods.position_free import PositionFreeCorrelated
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.results.directory import Table
+from msbsdf_cli.results.files import Table
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.statistics.repetitions import inner_products
 from surfaces.facet import Array

@@ -18,7 +18,7 @@ from msbsdf_cli.experiments.tradeoff.scaling import (
     over_threads,
 )
 from msbsdf_cli.experiments.tradeoff.surface_reference import distances, trace_surfaces
-from msbsdf_cli.run.executors import Progress
+from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene
 
 PAIRS = 8

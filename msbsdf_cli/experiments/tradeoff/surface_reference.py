@@ -12,7 +12,8 @@ import numpy as np
 
 from msbsdf_cli.experiments.realisations import Resolution, SurfaceJob, trace_surface
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.run.executors import Progress, Workers, map_ordered
+from msbsdf_cli.run.executors import Workers, map_ordered
+from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.jackknife import jackknife
 from msbsdf_cli.statistics.repetitions import root
