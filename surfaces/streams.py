@@ -16,6 +16,7 @@ STREAMS = {
     "convergence heightfield": "parameter varied, number, period, waves",
     "convergence rays": "parameter varied, number of the surface, period, waves, incident angle",
     "pilot walks": "walks that tell how much light meets a second facet: facets, incident angle",
+    "pilot of time": "walks that tell how long others will take: incident angle",
     "walk": "random walks: incident angle, part",
     "walk free paths": "free paths of the Smith model",
     "evaluate": "a method's values: method, incident angle, part",
@@ -27,7 +28,6 @@ STREAMS = {
     "order of runs": "the order in which methods take turns: what is measured, round",
     "timed run": "a timed evaluation: what is measured, round, series",
     "shared work": "work that processes share: method, round, part",
-    "rank": "resampled repetitions",
     "noise of distances": "what noise alone makes of a distance",
     "slab": "walks to a slab's image: method, roughness, repetition",
 }
@@ -39,7 +39,6 @@ COMMON = {
     "convergence heightfield": "cells and offsets are varied on the same fields",
     "convergence rays": "cells and offsets are varied under the same rays",
     "noise of distances": "the same draws, scaled, serve every distance",
-    "rank": "ranks in all scenes are resampled with the same numbers",
     "shared work": "the same work is timed on one process and on several",
     "lobe directions": "lobes of all incident angles are judged in directions drawn alike",
 }

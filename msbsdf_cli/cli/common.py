@@ -1,5 +1,6 @@
 """What the commands share: the scene from the options, warnings, and where reports go."""
 
+from functools import lru_cache
 from typing import Any
 
 import click
@@ -11,7 +12,6 @@ from msbsdf_cli.smith.slopes import distribution, parameters
 from surfaces.materials import NAMES as MATERIALS
 from surfaces.materials import Material, material
 
-WALKS_PER_S = 5e6
 RAYS_PER_S = 1e6
 TRIANGLES_PER_S = 1e6
 """Rough rates of one core, for telling beforehand what takes long."""
@@ -57,6 +57,26 @@ def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
                 param_hint="--free-path-height",
             )
     return FreePaths(options["free_path_theta"], starts, distribution.edges)
+
+
+@lru_cache(maxsize=1)
+def pilot(scene: Scene) -> tuple[float, float]:
+    """Seconds that one core needs for a walk from each incident angle of this scene, and the facets
+    that a walk hits in the mean, from a short run."""
+    from time import perf_counter
+
+    from msbsdf_cli.smith.walk import random_walk
+    from surfaces.streams import stream
+
+    started, facets = perf_counter(), 0
+    for i, theta in enumerate(scene.theta):
+        rng, wi = stream(0, "pilot of time", i), scene.wi(theta)
+        walks = random_walk(scene.slopes, scene.material, wi, PILOT, rng, PILOT_ORDER)
+        facets += sum(light.order * light.w.shape[1] for light in walks)
+    return (perf_counter() - started) / PILOT, facets / PILOT / len(scene.theta)
+
+
+PILOT, PILOT_ORDER = 4096, 4000
 
 
 def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:

@@ -134,9 +134,9 @@ def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report:
     if "simulate" not in handed:
         resolution = simulate.resolve(scene, options)
         warnings += simulate.surface_warnings(options)
-        work_s += simulate.work_s(options)
+        work_s += simulate.work_s(scene, options)
     if options["method"] is None:
-        work_s += 0 if "walk" in handed else walk.work_s(options)
+        work_s += 0 if "walk" in handed else walk.work_s(scene, options)
     elif "walk" in handed:
         raise click.UsageError("--method replaces the walk; leave out its report, or --method.")
     else:

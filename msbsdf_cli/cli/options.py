@@ -21,6 +21,13 @@ def quoted(value: Any) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
+LEAST_ROUGHNESS, MOST_ROUGHNESS = 1e-6, 1e4
+"""Far beyond any surface either way; slopes squared still have room in single precision."""
+
+MOST_ANGLES = 100
+"""In one run: each has a row of pictures, and 1.5 megabytes of bins."""
+
+
 class Roughness(click.ParamType):
     """`A` or `AX,AY`, positive and finite."""
 
@@ -36,6 +43,9 @@ class Roughness(click.ParamType):
             self.fail(
                 f"{quoted(value)} is not a roughness: one or two numbers above 0.", param, ctx
             )
+        if not all(LEAST_ROUGHNESS <= a <= MOST_ROUGHNESS for a in alphas):
+            wanted = f"a roughness is from {LEAST_ROUGHNESS:g} to {MOST_ROUGHNESS:g}"
+            self.fail(f"{quoted(value)} is beyond every surface: {wanted}.", param, ctx)
         return alphas[0], alphas[-1]
 
 
@@ -63,18 +73,20 @@ class Angles(click.ParamType):
             angles.append(angle)
         if self.count is not None and len(angles) != self.count:
             self.fail(f"{quoted(value)}: one angle is wanted.", param, ctx)
+        if len(angles) > MOST_ANGLES:
+            self.fail(f"{len(angles)} angles are too many: {MOST_ANGLES} a run.", param, ctx)
         if len(set(angles)) < len(angles):
             self.fail(f"{quoted(value)} names an angle twice.", param, ctx)
         return tuple(angles)
 
 
 class Count(click.ParamType):
-    """A whole number of at least `least`, also written `1e6`."""
+    """A whole number from `least` to `most`, also written `1e6`."""
 
     name = "N"
 
-    def __init__(self, least: int = 1, even: bool = False) -> None:
-        self.least, self.even = least, even
+    def __init__(self, least: int = 1, even: bool = False, most: float = math.inf) -> None:
+        self.least, self.even, self.most = least, even, most
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
         try:
@@ -86,6 +98,8 @@ class Count(click.ParamType):
             number = int(real)
         if number < self.least:
             self.fail(f"{quoted(value)} is too few: at least {self.least} are wanted.", param, ctx)
+        if number > self.most:
+            self.fail(f"{quoted(value)} is too many: at most {self.most:g} are taken.", param, ctx)
         if self.even and number % 2:
             self.fail(f"{quoted(value)} is odd: an even number is wanted.", param, ctx)
         return number
@@ -251,7 +265,10 @@ _OPTIONS: dict[str, Any] = {
         help="Azimuth of the slice; default: the plane of incidence.",
     ),
     "points": dict(
-        type=Count(2), default="91", metavar="N", help="Outgoing directions of the slice."
+        type=Count(2, most=100_000),
+        default="91",
+        metavar="N",
+        help="Outgoing directions of the slice.",
     ),
     "orders": dict(
         type=click.IntRange(1, 10),
@@ -266,12 +283,14 @@ _OPTIONS: dict[str, Any] = {
         help="Wanted standard error of each order's energy; decides what is not given of these:",
     ),
     "cells": dict(
-        type=Count(4, even=True), metavar="N", help="Mesh cells a correlation length, even."
+        type=Count(4, even=True, most=10_000),
+        metavar="N",
+        help="Mesh cells a correlation length, even.",
     ),
-    "extent": dict(type=Count(4), metavar="N", help="Period in correlation lengths."),
-    "realisations": dict(type=Count(2), metavar="N", help="Independent surfaces."),
+    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period in correlation lengths."),
+    "realisations": dict(type=Count(2, most=1_000_000), metavar="N", help="Independent surfaces."),
     "waves": dict(
-        type=Count(),
+        type=Count(most=1_000_000),
         metavar="N",
         help="Cosines summed to a surface; default: every wave of the period.",
     ),
@@ -291,7 +310,8 @@ _OPTIONS: dict[str, Any] = {
     ),
     "seed": dict(type=Count(0), default="0", help="Same seed, same options: the same numbers."),
     "threads": dict(
-        type=Count(),
+        # More than a few for each core only wait for each other, and take memory.
+        type=Count(most=max(64, 4 * (os.cpu_count() or 1))),
         default=lambda: os.cpu_count() or 1,
         help="Processes.",
         show_default="all cores",

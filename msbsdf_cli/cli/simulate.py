@@ -8,6 +8,9 @@ import click
 
 from msbsdf_cli.cli.options import FREE_PATH, MODEL_OF_SURFACES, REPORT, RESOLUTION, samples, use
 
+BYTES_PER_CELL = 400
+"""Of a surface, its mesh and Embree's scene of it."""
+
 CELLS_OF_PICTURE = 32
 """So that a person sees the surface and not the mesh."""
 
@@ -32,7 +35,7 @@ def command(**options: Any) -> None:
     report = Report("simulate", scene.slug(), options)
     refuse_mesh(options)
     resolution = resolve(scene, options)
-    report.warn(common.scene_warnings(options, work_s(options)) + surface_warnings(options))
+    report.warn(common.scene_warnings(options, work_s(scene, options)) + surface_warnings(options))
     with report.draft() as draft:
         result = run(scene, resolution, free_paths, options)
         lobes = write_run(report, draft, result)
@@ -53,10 +56,20 @@ def command(**options: Any) -> None:
 def resolve(scene: Any, options: dict[str, Any]) -> Any:
     """The resolution; what the options leave open of it is filled in."""
     from msbsdf_cli.experiments.resolution import plan
+    from msbsdf_cli.run.memory import gigabytes, memory_bytes
 
     given = (options[name] for name in ("cells", "extent", "realisations", "waves"))
     resolution = plan(scene, options["accuracy"], *given)
     options |= vars(resolution)
+    need = BYTES_PER_CELL * (resolution.cells * resolution.extent) ** 2
+    need *= min(options["threads"], resolution.realisations)
+    if need > memory_bytes():
+        raise click.BadParameter(
+            f"surfaces of {resolution.extent} correlation lengths with {resolution.cells} cells "
+            f"each need {gigabytes(need)} in {options['threads']} processes, and this machine has "
+            f"{gigabytes(memory_bytes())}.",
+            param_hint="--extent, --cells, --threads",
+        )
     return resolution
 
 
@@ -79,13 +92,13 @@ def refuse_mesh(options: dict[str, Any]) -> None:
         raise click.BadParameter(f"{path}: there is no such directory.", param_hint="--mesh")
 
 
-def work_s(options: dict[str, Any]) -> float:
+def work_s(scene: Any, options: dict[str, Any]) -> float:
     """About how many seconds one core will need."""
-    from msbsdf_cli.cli.common import RAYS_PER_S, TRIANGLES_PER_S
+    from msbsdf_cli.cli.common import RAYS_PER_S, TRIANGLES_PER_S, pilot
 
     triangles = 2 * (options["extent"] * options["cells"]) ** 2 * options["realisations"]
-    rays = options["samples"] * len(options["theta"])
-    return float(triangles / TRIANGLES_PER_S + rays / RAYS_PER_S)
+    facets = options["samples"] * len(options["theta"]) * pilot(scene)[1]
+    return float(triangles / TRIANGLES_PER_S + facets / RAYS_PER_S)
 
 
 def surface_warnings(options: dict[str, Any]) -> list[str]:

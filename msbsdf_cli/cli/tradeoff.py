@@ -13,7 +13,7 @@ from msbsdf_cli.cli.options import MODEL, REPORT, RESOLUTION, Count, samples, us
 @samples("4096")
 @click.option(
     "--replicates",
-    type=Count(4),
+    type=Count(4, most=10_000),
     default="16",
     show_default=True,
     metavar="N",
@@ -21,7 +21,7 @@ from msbsdf_cli.cli.options import MODEL, REPORT, RESOLUTION, Count, samples, us
 )
 @click.option(
     "--directions",
-    type=Count(16),
+    type=Count(16, most=65_536),
     default="256",
     show_default=True,
     metavar="N",

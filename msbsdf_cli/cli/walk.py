@@ -23,18 +23,18 @@ def command(**options: Any) -> None:
     scene = common.scene_from(options)
     free_paths = common.free_paths_from(options, options["heights"])
     report = Report("walk", scene.slug(), options)
-    report.warn(common.scene_warnings(options, work_s(options)))
+    report.warn(common.scene_warnings(options, work_s(scene, options)))
     with report.draft() as draft:
         result = run(scene, free_paths, options)
         lobes = write_run(report, draft, result)
     report.end(lambda: show_run(lobes, result, "walks"))
 
 
-def work_s(options: dict[str, Any]) -> float:
+def work_s(scene: Any, options: dict[str, Any]) -> float:
     """About how many seconds one core will need."""
-    from msbsdf_cli.cli.common import WALKS_PER_S
+    from msbsdf_cli.cli.common import pilot
 
-    return float(options["samples"] * len(options["theta"]) / WALKS_PER_S)
+    return float(options["samples"] * pilot(scene)[0])
 
 
 def run(scene: Any, free_paths: Any, options: dict[str, Any]) -> Any:

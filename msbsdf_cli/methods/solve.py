@@ -9,7 +9,9 @@ from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.solver.dielectric import DielectricSolution
 from msbsdf_cli.methods.solver.opaque import OpaqueSolution
+from msbsdf_cli.methods.solver.size import needed_bytes
 from msbsdf_cli.methods.traits import Traits
+from msbsdf_cli.run.memory import gigabytes, memory_bytes
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, fresnel_dielectric
 from surfaces.materials import Material
@@ -83,6 +85,12 @@ class Solve(MethodBase):
     @classmethod
     def check_supported(cls, slopes: Slopes, material: Material) -> None:
         super().check_supported(slopes, material)
+        need, have = needed_bytes(slopes, material), memory_bytes()
+        if need > have:
+            raise UnsupportedError(
+                f"method {cls.name} needs about {gigabytes(need)} of memory at roughness "
+                f"{slopes.alpha_x:g},{slopes.alpha_y:g}, and this machine has {gigabytes(have)}"
+            )
         if not material.specular and not np.allclose(material.lobe(COSINES), COSINES / np.pi):
             raise UnsupportedError(
                 f"method {cls.name} is not for {material.name} facets: of those that are not "

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from itertools import chain, islice
 from typing import Any, TypeVar
 
 Job = TypeVar("Job")
@@ -50,8 +51,14 @@ def map_ordered(
             for future in waiting:
                 future.cancel()
         return
-    with _processes(workers) as pool:
-        yield from _window(pool, work, jobs, AHEAD * workers, deque())
+    jobs = iter(jobs)
+    first = list(islice(jobs, workers))
+    if len(first) < 2:
+        yield from map(work, first)
+        return
+    # All processes of a pool start at once: no more than have something to do.
+    with _processes(len(first)) as pool:
+        yield from _window(pool, work, chain(first, jobs), AHEAD * workers, deque())
 
 
 def _window(
