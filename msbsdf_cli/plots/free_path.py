@@ -15,7 +15,7 @@ def draw_free_paths(path: Path, paths: FreePaths, modelled: FreePaths | None = N
     """A panel for each direction of travel and height of start, with the probability of escape; of
     one run, or of a simulated one and a modelled one."""
     simulated, model = paths.rows(), {} if modelled is None else modelled.rows()
-    directions, starts = (list(dict.fromkeys(each)) for each in zip(*simulated, strict=True))
+    directions, starts = paths.theta, paths.starts
     figure, axes = panels(len(starts), [1.9] * len(directions), 0.95, (0.4, 0.35), sharex=True)
     for i, start in enumerate(starts):
         for j, theta in enumerate(directions):

@@ -7,7 +7,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 from command_line import msbsdf
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 EXTREMES = {
@@ -43,6 +43,10 @@ def command(draw):
     return [name, *(word for pair in words.items() for word in pair)]
 
 
+SMALL = ["--samples", "100", "--theta", "0.5", "--cells", "4", "--extent", "4"]
+
+
+@example(["simulate", *SMALL, "--realisations", "2", "--free-path-height", "1e300"])
 @settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 @given(command())
 def test_finite_numbers_or_a_sentence(words):
