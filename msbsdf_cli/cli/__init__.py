@@ -5,6 +5,7 @@ import signal
 import sys
 import threading
 from importlib import import_module
+from types import FrameType
 
 import click
 
@@ -76,16 +77,33 @@ def _stop_cleanly() -> None:
     """Make an end by another signal as clean as one by Ctrl-C."""
     if threading.current_thread() is not threading.main_thread():
         return
-    for name in ("SIGTERM", "SIGHUP"):
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         # What the caller has told to be ignored, as `nohup` does, stays so.
-        if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+        defaults = signal.SIG_DFL, signal.default_int_handler
+        if number is not None and signal.getsignal(number) in defaults:
             signal.signal(number, _stop)
 
 
-def _stop(number: int, frame: object) -> None:
+def _stop(number: int, frame: FrameType | None) -> None:
+    if _importing(frame):
+        # Libraries swallow what is raised while they are imported.
+        again = threading.Timer(0.05, signal.raise_signal, (number,))
+        again.daemon = True
+        again.start()
+        return
+    if number == signal.SIGINT:
+        raise KeyboardInterrupt
     click.echo(f"Error: stopped by {signal.Signals(number).name}; no report is written.", err=True)
     sys.exit(128 + number)
+
+
+def _importing(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def describe(error: BaseException) -> str:

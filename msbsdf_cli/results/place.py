@@ -9,6 +9,7 @@ import json
 import os
 import secrets
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,8 +17,12 @@ from typing import Any
 
 from msbsdf_cli.results.seal import RUN, seal
 
-LOCK, OLD = ".lock", ".old"
-"""In a draft: the file that its process holds locked, and the files of the report replaced."""
+LOCK, UNNAMED, OLD = ".lock", ".lock-", ".old"
+"""In a draft: the file that its process holds locked, before and after it is, and the files of the
+report replaced."""
+
+YOUNG_S = 60
+"""Age of a draft without a lock below which it may be one that is about to have it."""
 
 
 class PlaceTakenError(ValueError):
@@ -72,8 +77,13 @@ class Place:
         real = self.real
         real.parent.mkdir(parents=True, exist_ok=True)
         _clean(real)
-        draft, lock = _new_draft(real)
+        draft, lock = real.parent / f"{_prefix(real)}{secrets.token_hex(4)}", None
         try:
+            draft.mkdir()
+            lock = _locked(draft / UNNAMED)
+            if lock is not None:
+                # It has its name only when it is locked: nobody takes the draft for dead.
+                os.rename(draft / UNNAMED, draft / LOCK)
             yield draft
             seal(draft)
             if not _fill(real, draft, self.force):
@@ -167,29 +177,22 @@ def _prefix(real: Path) -> str:
     return f".{real.name}.draft-"
 
 
-def _new_draft(real: Path) -> tuple[Path, int | None]:
-    """A new draft for a place and the lock on it, which it has before it has its name: nobody takes
-    it for dead."""
-    token = secrets.token_hex(4)
-    unnamed, draft = (real.parent / f"{start}{token}" for start in (".draft-", _prefix(real)))
-    unnamed.mkdir()
-    lock = _locked(unnamed / LOCK)
-    os.rename(unnamed, draft)
-    return draft, lock
-
-
 def _clean(real: Path) -> None:
     """Remove drafts whose process has ended; what one had taken from a report goes back."""
     for draft in real.parent.glob(f"{_prefix(real)}*"):
-        lock = _locked(draft / LOCK)
-        if lock is None:
+        if not (draft / LOCK).exists():
+            # It has just begun, or was killed in its first instant.
+            if time.time() - draft.stat().st_mtime < YOUNG_S:
+                continue
+        elif (lock := _locked(draft / LOCK)) is None:
             continue
+        else:
+            os.close(lock)
         for path in [p for p in (draft / OLD).rglob("*") if p.is_file()]:
             home = real / path.relative_to(draft / OLD)
             if not home.exists():
                 home.parent.mkdir(parents=True, exist_ok=True)
                 os.rename(path, home)
-        os.close(lock)
         shutil.rmtree(draft, ignore_errors=True)
 
 

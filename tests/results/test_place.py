@@ -145,6 +145,12 @@ def test_a_dead_draft_is_cleaned_and_gives_back_what_it_had_taken(tmp_path):
     dead = tmp_path / ".r.draft-dead"
     (dead / place.OLD).mkdir(parents=True)
     shutil.move(out / "energy.csv", dead / place.OLD / "energy.csv")
+    (dead / place.LOCK).touch()
+    newborn = tmp_path / ".r.draft-new"
+    newborn.mkdir()
+    stillborn = tmp_path / ".r.draft-old"
+    stillborn.mkdir()
+    os.utime(stillborn, (0, 0))
     living = Place(tmp_path / "s")
     with living.draft() as draft:
         (draft / "run.json").write_text(json.dumps(RUN))
@@ -154,6 +160,8 @@ def test_a_dead_draft_is_cleaned_and_gives_back_what_it_had_taken(tmp_path):
         Place(out)
     assert write(out, force=True) == out
     assert not dead.exists()
+    assert not stillborn.exists()
+    assert newborn.exists()
     unsealed(out)
 
 
