@@ -346,6 +346,10 @@ VARIANTS = {
 """Options that some commands have in another form, by the name that the user types."""
 
 
+SPELLED_TOO = {"mesh": ("--save-mesh",)}
+"""Other spellings of an option."""
+
+
 def use(*names: str) -> Decorator:
     """Add the named options to a command, in this order."""
 
@@ -355,7 +359,8 @@ def use(*names: str) -> Decorator:
             settings.setdefault("show_default", settings.get("default") is not None)
             flag = VARIANTS.get(name, name)
             parameter = "as_json" if name == "json" else flag.replace("-", "_")
-            function = click.option(f"--{flag}", parameter, **settings)(function)
+            flags = (f"--{flag}", *SPELLED_TOO.get(name, ()))
+            function = click.option(*flags, parameter, **settings)(function)
         return function
 
     return decorate

@@ -207,7 +207,7 @@ def test_mesh_is_saved_and_not_overwritten(tmp_path):
     import trimesh
 
     mesh = tmp_path / "surface.ply"
-    words = [*QUICK["simulate"], "--mesh", mesh, "--alpha", "1,0.1", "--out", tmp_path / "r"]
+    words = [*QUICK["simulate"], "--save-mesh", mesh, "--alpha", "1,0.1", "--out", tmp_path / "r"]
     assert msbsdf(*words).returncode == 0
     loaded = trimesh.load_mesh(mesh)
     # 8 correlation lengths of 2 / alpha, shortened to keep the facets' slopes: 2 (1/2) / 4^2.
