@@ -47,7 +47,7 @@ SMALL = ["--samples", "100", "--theta", "0.5", "--cells", "4", "--extent", "4"]
 
 
 @example(["simulate", *SMALL, "--realisations", "2", "--free-path-height", "1e300"])
-@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 @given(command())
 def test_finite_numbers_or_a_sentence(words):
     with tempfile.TemporaryDirectory() as where:
