@@ -19,25 +19,43 @@ EXTREMES = {
     "--eta-k": ["1e-300,0", "1e4,1e4", "1,1e-5", "0,0"],
     "--material": ["conductor", "diffuse", "dielectric"],
     "--orders": ["1", "10", "11"],
-    "--max-order": ["1", "1e30"],
     "--samples": ["1", "2", "7"],
     "--seed": ["0", "1e40", "18446744073709551616"],
     "--threads": ["1", "1e9"],
+}
+OF_A_MODEL = {
+    "--slopes": ["beckmann", "ggx", "student-t"],
+    "--gamma": ["1.5001", "1e6"],
+    "--precision": ["float32", "float64"],
+}
+OF_A_RUN = {
+    "--max-order": ["1", "1e30"],
     "--free-path-theta": ["0", "3.14159", "1e-8", "3.15"],
     "--free-path-height": ["inf", "1e300", "-1e300", "0"],
 }
-OF_A_WALK = {"--slopes": ["beckmann", "ggx", "student-t"], "--gamma": ["1.5001", "1e6"],
-             "--precision": ["float32", "float64"], "--heights": ["uniform"]}  # fmt: skip
-OF_SURFACES = {"--cells": ["4", "1e4"], "--extent": ["4", "1e4"], "--waves": ["1", "1e6", "1e12"]}
+COMMANDS = {
+    "walk": (OF_A_MODEL | OF_A_RUN | {"--heights": ["uniform"]}, {}),
+    "simulate": (
+        OF_A_RUN
+        | {"--cells": ["4", "1e4"], "--extent": ["4", "1e4"], "--waves": ["1", "1e6", "1e12"]},
+        {"--cells": "4", "--extent": "4", "--realisations": "2"},
+    ),
+    "evaluate": (
+        OF_A_MODEL | {"--phi-o": ["1e300", "0"], "--points": ["2", "1e9"]},
+        {"--points": "6", "--method": "single,walk,walk-low-variance,position-free-correlated"},
+    ),
+}
+"""Of each command: its own extremes, and what makes it quick."""
+TABLES = {"evaluate": ("slice.csv", "value_per_sr")}
 
 
 @st.composite
 def command(draw):
     """A command with some of its options at their extremes."""
-    name = draw(st.sampled_from(["walk", "simulate"]))
-    table = EXTREMES | (OF_A_WALK if name == "walk" else OF_SURFACES)
-    words = {"--samples": "100", "--theta": "0.5", "--threads": "1"}
-    words |= {} if name == "walk" else {"--cells": "4", "--extent": "4", "--realisations": "2"}
+    name = draw(st.sampled_from(sorted(COMMANDS)))
+    own, quick = COMMANDS[name]
+    table = EXTREMES | own
+    words = {"--samples": "100", "--theta": "0.5", "--threads": "1"} | quick
     for option in draw(st.lists(st.sampled_from(sorted(table)), min_size=1, max_size=4)):
         words[option] = draw(st.sampled_from(table[option]))
     return [name, *(word for pair in words.items() for word in pair)]
@@ -60,6 +78,7 @@ def test_finite_numbers_or_a_sentence(words):
             assert not out.exists()
             assert len(result.stderr.strip().splitlines()[-1]) < 200
             return
-        with open(out / "energy.csv", newline="") as file:
+        table, column = TABLES.get(words[0], ("energy.csv", "energy"))
+        with open(out / table, newline="") as file:
             for row in csv.DictReader(file):
-                assert math.isfinite(float(row["energy"]))
+                assert math.isfinite(float(row[column]))
