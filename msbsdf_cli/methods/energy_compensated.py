@@ -105,7 +105,6 @@ class EnergyCompensated(MethodBase):
         "#56b4e9",
         "*",
         model="energy-compensated",
-        lumps_orders=True,
         energy_error={"conductor": 1e-3, "dielectric": 1e-2},
         energy_error_because="table of albedos",
     )

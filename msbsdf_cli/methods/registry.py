@@ -17,6 +17,7 @@ PLACES = {
     "solve": ("solve", "Solve"),
     "energy-compensated": ("energy_compensated", "EnergyCompensated"),
     "turquin": ("turquin", "Turquin"),
+    "published": ("published.method", "Published"),
 }
 """Module in this package and class of each method."""
 

@@ -18,8 +18,9 @@ class Traits:
     reciprocal: bool = True
     correlated: bool = True
     """Whether the first order has height-correlated masking and shadowing."""
-    lumps_orders: bool = False
-    """Whether all orders after the first come in one."""
+    consistent: bool = True
+    """Whether samples and values, both orders of arguments and all directions are of one model, so
+    that `validate` can hold it to identities; fits and thresholds are not."""
     samples: bool = True
     """Whether it draws outgoing directions."""
     energy_error: Mapping[str, float] = field(default_factory=dict)

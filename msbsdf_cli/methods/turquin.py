@@ -25,7 +25,6 @@ class Turquin(MethodBase):
         "<",
         model="turquin",
         reciprocal=False,
-        lumps_orders=True,
         energy_error={"conductor": 1e-3},
         energy_error_because="table of albedos",
     )

@@ -41,8 +41,10 @@ LEAST_SCATTER = 1e-12
 
 
 def sampled() -> list[str]:
-    """Names of the methods that draw outgoing directions, which these identities need."""
-    return [name for name, method in METHODS.items() if method.traits.samples]
+    """Names of the methods that draw outgoing directions, which these identities need, by the
+    model that they evaluate."""
+    traits = ((name, method.traits) for name, method in METHODS.items())
+    return [name for name, of in traits if of.samples and of.consistent]
 
 
 def energy_and_samples(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:

@@ -1,0 +1,1 @@
+"""The algorithm of [HHdD16 impl.] as it is printed, with its thresholds, fits and searches."""

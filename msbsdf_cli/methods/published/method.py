@@ -1,0 +1,235 @@
+"""`published`: the random walk in heights, as renderers took it over from the paper."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msbsdf_cli.methods.estimate import Estimate, batches
+from msbsdf_cli.methods.paths import lanes_for
+from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
+from msbsdf_cli.methods.published import facets
+from msbsdf_cli.methods.published.areas import Lambda, projected_area
+from msbsdf_cli.methods.published.heights import HEIGHTS, escape, next_height
+from msbsdf_cli.methods.published.visible_slopes import visible_normals
+from msbsdf_cli.methods.sampling import FollowsPaths
+from msbsdf_cli.methods.traits import Traits
+from msbsdf_cli.smith.slopes import Beckmann, Ggx, Slopes
+from msbsdf_cli.smith.walk import BLOCK
+from surfaces.batch import Batch, concatenate
+from surfaces.facet import Array, dot
+from surfaces.materials import Material
+
+MOST_FACETS = 10_000
+"""The print has no bound; a walk that is longer counts as unresolved here."""
+
+
+@dataclass
+class Walks(Batch):
+    """Walks under way, (..., n)."""
+
+    d: Array
+    h: Array
+    inside: Array
+    slot: Array
+    weight: Array | None = None
+
+
+@dataclass
+class Lights(Batch):
+    """Walks that have ended."""
+
+    w: Array
+    weight: Array
+    facets: Array
+    """Number of facets that each has hit, (n,)."""
+
+
+class Published(FollowsPaths):
+    """[HHdD16 impl.] Algorithms 1 to 7, thresholds and fits included, in the precision of `wi`.
+
+    `heights` are `uniform` or `gaussian`, which should not matter; `polynomial` takes the fit to
+    erf that some implementations have in Lambda; `most_facets` ends walks, as some do.
+    Weights for metals and albedos are those of Algorithms 4 and 6.
+    """
+
+    name = "published"
+    traits = Traits("#56b4e9", "v", model="published", consistent=False)
+
+    def __init__(
+        self,
+        slopes: Slopes,
+        material: Material,
+        orders: int,
+        heights: str = "uniform",
+        polynomial: bool = False,
+        most_facets: int = MOST_FACETS,
+    ) -> None:
+        super().__init__(slopes, material, orders)
+        self.heights, self.polynomial, self.most_facets = HEIGHTS[heights], polynomial, most_facets
+        self.hidden = 0
+        """Values so far that were not finite and that the algorithm replaces or leaves out."""
+
+    @classmethod
+    def check_supported(cls, slopes: Slopes, material: Material) -> None:
+        super().check_supported(slopes, material)
+        if not isinstance(slopes, Beckmann | Ggx):
+            raise UnsupportedError(
+                f"method {cls.name} is for Beckmann and GGX slopes, and not for {slopes.name} ones"
+            )
+        if not material.specular and material.name != "diffuse":
+            raise UnsupportedError(f"method {cls.name} is not for {material.name} facets")
+
+    def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
+        wo = wo.astype(wi.dtype, copy=False)
+        estimate = Estimate(self.material.channels, self.orders, wo.shape[1])
+        cut = 0
+        for n in batches(samples, wo.shape[1]):
+            walks, order = self._arrive(wi, n), 1
+            while walks.size and order <= self.most_facets:
+                if order > self.orders and estimate.tail is None:
+                    walks = replace(walks, slot=np.arange(walks.size))
+                    estimate.open_tail(walks.size, wo.shape[1])
+                walks = self._bounce(walks, wo, order, estimate, rng)
+                order += 1
+            cut += walks.size
+            estimate.close_batch()
+        return Evaluation(*estimate.mean(samples), unresolved=cut / samples)
+
+    def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Where walks leave, (3, n), and their weights; a walk that is not finite ends at the
+        zenith with all of its weight, as in the print."""
+        parts = list(self.follow(wi, n, rng))
+        lights = concatenate(parts)
+        order = rng.permutation(lights.facets.size)
+        return lights.w[:, order], lights.weight[:, order]
+
+    def follow(self, wi: Array, n: int, rng: np.random.Generator) -> Iterator[Lights]:
+        """The walks of Algorithm 3 in the order in which they end. Those that `most_facets` cuts
+        off come last, with no weight left."""
+        for start in range(0, n, 4 * BLOCK):
+            walks = self._arrive(wi, min(4 * BLOCK, n - start))
+            for order in range(self.most_facets + 1):
+                walks, gone = self._next_heights(walks, rng)
+                yield self._lights(gone, order, gone.d)
+                if not walks.size or order == self.most_facets:
+                    break
+                walks = self._scatter(walks, rng)
+                bad = ~(np.isfinite(walks.d[2]) & ~np.isnan(walks.h))
+                if bad.any():
+                    self.hidden += int(bad.sum())
+                    lost = walks.compress(bad)
+                    zenith = np.zeros_like(lost.d)
+                    zenith[2] = 1
+                    yield self._lights(lost, order + 1, zenith)
+                    walks = walks.compress(~bad)
+            cut = self._lights(walks, self.most_facets, walks.d)
+            yield replace(cut, weight=0 * cut.weight)
+
+    def _lights(self, walks: Walks, order: int, w: Array) -> Lights:
+        weight = walks.weight
+        if weight is None:
+            weight = np.ones((self.material.channels, walks.size), w.dtype)
+        return Lights(w, weight, np.full(walks.size, order))
+
+    def _arrive(self, wi: Array, n: int) -> Walks:
+        h = np.repeat(self.heights.start(wi.dtype.type), n)
+        weight = np.ones((self.material.channels, n)) if self.material.absorbs else None
+        return Walks(np.tile(-wi[:, None], n), h, np.zeros(n, bool), np.arange(n), weight)
+
+    def _bounce(
+        self, walks: Walks, wo: Array, order: int, estimate: Estimate, rng: np.random.Generator
+    ) -> Walks:
+        """One facet: next events, and who meets another."""
+        staying = []
+        for block in walks.blocks(max(lanes_for(wo.shape[1]), 1)):
+            at, _ = self._next_heights(block, rng)
+            if not at.size:
+                continue
+            value = self._towards(at, wo, rng)
+            after = self._scatter(at, rng)
+            finite = np.isfinite(value)
+            self.hidden += int(value.size - finite.sum())
+            good = np.isfinite(after.d[2]) & ~np.isnan(after.h)
+            self.hidden += int(after.size - good.sum())
+            value = np.where(finite & good[:, None], value, 0)
+            estimate.add(order, value, at.slot)
+            staying.append(after.compress(good))
+        return concatenate(staying) if staying else walks.compress(np.zeros(walks.size, bool))
+
+    def _next_heights(self, walks: Walks, rng: np.random.Generator) -> tuple[Walks, Walks]:
+        """Who meets a facet, at which height, and who leaves; inside, all is upside down."""
+        side = np.where(walks.inside, -1, 1).astype(walks.d.dtype)
+        U = rng.random(walks.size, dtype=walks.d.dtype.type)
+        d = side * walks.d
+        leaves, h = next_height(self.heights, self._Lambda(d), d[2], side * walks.h, U)
+        return replace(walks, h=side * h).compress(~leaves), walks.compress(leaves)
+
+    def _Lambda(self, w: Array) -> Array:
+        return Lambda(self.slopes, w, self.polynomial)
+
+    def _towards(self, walks: Walks, wo: Array, rng: np.random.Generator) -> Array:
+        """Next events (channels, n, directions): phase function times shadowing."""
+        value = np.zeros((self.material.channels, walks.size, wo.shape[1]), wo.dtype)
+        up = wo[2] > 0
+        for inside in (False, True) if self.material.transmits else (False,):
+            lanes = np.flatnonzero(walks.inside == inside)
+            side = -1 if inside else 1
+            wi = -side * walks.d[:, lanes, None]
+            area = projected_area(self.slopes, wi)
+            for above in (True, False) if self.material.transmits else (True,):
+                ends = np.flatnonzero(up == above)
+                if not lanes.size or not ends.size:
+                    continue
+                w = side * wo[:, None, ends]
+                phase = self._phase(wi, w, area, inside, above == inside, rng)
+                out = wo[:, ends] if above else -wo[:, ends]
+                h = walks.h[lanes, None] if above else -walks.h[lanes, None]
+                passes = escape(self.heights, self._Lambda(out), out[2], h)
+                value[:, lanes[:, None], ends] = phase * passes
+        return value if walks.weight is None else value * walks.weight[:, :, None]
+
+    def _phase(
+        self,
+        wi: Array,
+        wo: Array,
+        area: Array,
+        inside: bool,
+        through: bool,
+        rng: np.random.Generator,
+    ) -> Array:
+        """Phase function (channels, n, directions)."""
+        eta = self.material.relative_ior(inside)
+        if not self.material.specular:
+            m, hidden = visible_normals(self.slopes, wi[:, :, 0], rng)
+            self.hidden += hidden
+            value = np.maximum(dot(m[:, :, None], wo), 0) / np.pi
+            return value * np.array(self.material.albedos)[:, None, None]
+        if through:
+            return facets.transmitted(self.slopes, wi, wo, area, eta)[None]
+        value, colour = facets.reflected(self.slopes, self.material, wi, wo, area, eta)
+        return value[None] if colour is None else value * colour
+
+    def _scatter(self, walks: Walks, rng: np.random.Generator) -> Walks:
+        """The walks after their facet."""
+        dtype = walks.d.dtype.type
+        side = np.where(walks.inside, dtype(-1), dtype(1))
+        wi = -side * walks.d
+        m, hidden = visible_normals(self.slopes, wi, rng)
+        self.hidden += hidden
+        weight, inside = walks.weight, walks.inside
+        if not self.material.specular:
+            d = facets.diffuse(m, rng)
+            gain = np.array(self.material.albedos)[:, None]
+        else:
+            d, gain = facets.mirror(wi, m), np.ones((self.material.channels, 1))
+            if self.material.absorbs:
+                gain = self.material.reflectance(np.clip(dot(wi, m), 0, 1))
+        if self.material.transmits:
+            eta = np.where(inside, dtype(1 / self.material.ior), dtype(self.material.ior))
+            reflects = rng.random(walks.size, dtype=dtype) < facets.fresnel(dot(wi, m), eta)
+            d = np.where(reflects, d, facets.refract(wi, m, eta))
+            inside = inside ^ ~reflects
+        if weight is not None:
+            weight = weight * gain
+        return replace(walks, d=side * d, inside=inside, weight=weight)
