@@ -2,7 +2,7 @@
 
 from functools import cache
 
-import numpy as np
+from scipy.special import roots_legendre
 
 from surfaces.facet import Array
 
@@ -10,7 +10,7 @@ from surfaces.facet import Array
 @cache
 def gauss(n: int) -> tuple[Array, Array]:
     """Nodes and weights (n,) on [0, 1], not to be written to."""
-    x, weight = np.polynomial.legendre.leggauss(n)
+    x, weight = roots_legendre(n)
     x, weight = (x + 1) / 2, weight / 2
     x.flags.writeable = weight.flags.writeable = False
     return x, weight

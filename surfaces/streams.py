@@ -29,6 +29,12 @@ STREAMS = {
     "timed run": "a timed evaluation: what is measured, round, series",
     "shared work": "work that processes share: method, round, part",
     "noise of distances": "what noise alone makes of a distance",
+    "stability": "a method where it may fail: method, precision, point, number of the draw",
+    "stability timing": "evaluations that are timed: method, walks, number",
+    "stability walks": "long walks that are the truth of a point: point",
+    "stability pilot": "walks that tell how many facets light meets: point",
+    "stability directions": "outgoing directions of a point: point, repetition",
+    "stability reference": "directions of long walks: point",
     "slab": "walks to a slab's image: method, roughness, repetition",
 }
 """Name of every stream, and what it serves; the numbers of its place are named after the colon."""
@@ -40,6 +46,9 @@ COMMON = {
     "convergence rays": "cells and offsets are varied under the same rays",
     "noise of distances": "the same draws, scaled, serve every distance",
     "shared work": "the same work is timed on one process and on several",
+    "stability timing": "the same work at ordinary roughness and elsewhere",
+    "stability directions": "all methods and precisions are judged in the same directions",
+    "stability reference": "all methods and precisions are held against the same walks",
     "lobe directions": "lobes of all incident angles are judged in directions drawn alike",
 }
 """Streams that are drawn more than once on purpose, and why: their differences have less noise."""

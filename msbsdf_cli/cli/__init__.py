@@ -18,6 +18,7 @@ COMMANDS = {
     "evaluate": "Evaluate the BSDF along a slice of directions, by any method.",
     "validate": "The published identities, each with a figure and a verdict.",
     "furnace": "Directional albedo of every method; the white sphere.",
+    "stability": "Where each method stops working, as a map.",
     "tradeoff": "Error against time for every method, on one chart.",
 }
 

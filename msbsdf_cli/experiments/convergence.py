@@ -19,16 +19,27 @@ from surfaces.facet import Array
 from surfaces.streams import stream
 from surfaces.tracing import Tracer
 
-CELLS = (4, 8, 16, 32, 48)
+
+@dataclass(frozen=True)
+class Steps:
+    """What is varied, and on how many surfaces."""
+
+    cells: tuple[float | None, ...] = (4, 8, 16, 32, 48)
+    extents: tuple[int, ...] = (8, 16, 32)
+    surfaces: int = 32
+    """On which cells and offsets are varied; independent surfaces of something else are 4 times
+    more, since nothing of their noise cancels."""
+    hits: bool = False
+    """Whether hit points in single precision are tried as well."""
+
+
 LIFTS = (1.0, 10.0, 100.0, 1000.0)
 """Offsets of secondary rays, over the one that is used."""
-EXTENTS = (8, 16, 32)
 WAVES = (30, 100, 300, 1000, None)
 EXTENT, CELLS_ELSE = 16, 8
 """Of the surfaces on which something else is varied."""
-SURFACES = 32
-"""On which cells and offsets are varied; independent surfaces of something else are 4 times more,
-since nothing of their noise cancels."""
+HITS = (32.0, 64.0)
+"""Bits of the numbers that place the facets' planes, and so of hit points."""
 
 
 @dataclass(frozen=True)
@@ -44,18 +55,30 @@ class Trial:
     seed: int
 
 
-def convergence(scene: Scene, samples: int, seed: int, workers: Workers, quiet: bool) -> Table:
+def convergence(
+    scene: Scene,
+    samples: int,
+    seed: int,
+    workers: Workers,
+    quiet: bool,
+    steps: Steps = Steps(),
+) -> Table:
     """convergence.csv: energies, and their differences from the last value of each parameter.
 
-    `samples` rays for each incident angle and value are spread over `SURFACES` surfaces of 16
+    `samples` rays for each incident angle and value are spread over `steps.surfaces` surfaces of 16
     correlation lengths, or the same area of others.
     """
-    rays = max(samples // SURFACES, 1)
+    surfaces = steps.surfaces
+    rays = max(samples // surfaces, 1)
     base = Resolution(CELLS_ELSE, EXTENT, 0)
-    trials = [Trial(scene, "cells", CELLS, i, base, rays, seed) for i in range(SURFACES)]
-    trials += [Trial(scene, "lift", LIFTS[::-1], i, base, rays, seed) for i in range(SURFACES)]
-    for extent in EXTENTS:
-        count = 4 * SURFACES * EXTENT**2 // extent**2
+    paired = {"cells": steps.cells, "lift": LIFTS[::-1]} | ({"hits": HITS} if steps.hits else {})
+    trials = [
+        Trial(scene, parameter, values, i, base, rays, seed)
+        for parameter, values in paired.items()
+        for i in range(surfaces)
+    ]
+    for extent in steps.extents:
+        count = 4 * surfaces * EXTENT**2 // extent**2
         resolution = Resolution(CELLS_ELSE, extent, 0)
         part = max(4 * samples // count, 1)
         trials += [
@@ -64,7 +87,7 @@ def convergence(scene: Scene, samples: int, seed: int, workers: Workers, quiet: 
     for waves in WAVES:
         resolution = Resolution(CELLS_ELSE, EXTENT, 0, waves)
         trials += [
-            Trial(scene, "waves", (waves,), i, resolution, rays, seed) for i in range(4 * SURFACES)
+            Trial(scene, "waves", (waves,), i, resolution, rays, seed) for i in range(4 * surfaces)
         ]
     results: dict[tuple[str, float | None], list[Array]] = {}
     with Progress("convergence", len(trials), "surfaces", quiet) as progress:
@@ -87,6 +110,8 @@ def _energies(trial: Trial) -> list[Array]:
         surface = make_surface(resolution, rng)
         if trial.parameter == "lift":
             surface.lift *= value or 0
+        if trial.parameter == "hits" and value == HITS[0]:
+            surface.planes = surface.planes.astype(np.float32)
         stretch = surface.stretch(*trial.scene.alpha, trial.scene.phi)
         tracer = Tracer(surface, stretch, trial.scene.material)
         energies = []
@@ -109,7 +134,7 @@ def _table(scene: Scene, results: dict[tuple[str, float | None], Array]) -> Tabl
     for (parameter, value), energies in results.items():
         last = finest[parameter]
         mean, stderr = _mean(energies)
-        if parameter in ("cells", "lift"):
+        if parameter in ("cells", "lift", "hits"):
             apart, apart_stderr = _mean(energies - last)
         else:
             reference, reference_stderr = _mean(last)

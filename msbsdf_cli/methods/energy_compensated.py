@@ -64,7 +64,15 @@ class Albedo:
     def __call__(self, w: Array) -> Array:
         """E for directions (3, n) with z >= 0."""
         s = np.arcsinh(np.hypot(w[0], w[1]) / np.maximum(w[2], LOWEST))
-        return np.asarray(self.spline.ev(s, np.arctan2(self.squeeze * np.abs(w[1]), np.abs(w[0]))))
+        E = self.spline.ev(s, np.arctan2(self.squeeze * np.abs(w[1]), np.abs(w[0])))
+        # Splines swing about albedos that are all but 1.
+        return np.clip(np.asarray(E), 0, 1)
+
+    def loss(self, w: Array) -> Array:
+        """1 - E over its mean, (n,); 0 where nothing is lost at all."""
+        mean = 1 - self.mean
+        lost: Array = (1 - self(w)) / mean if mean > 0 else np.zeros(w.shape[1])
+        return lost
 
     def _direction(self, s: Array, azimuth: Array | float) -> Array:
         """The unit vectors (3, n) of places in the table."""
@@ -168,10 +176,10 @@ class EnergyCompensated(MethodBase):
     def _shape(self, out: Outgoing) -> Array:
         """The compensation for one unit of lost energy, per steradian, (channels, n)."""
         cosine = out.w[2] / np.pi
-        above = (1 - self.E(out.w)) / (1 - self.E.mean) * cosine
+        above = self.E.loss(out.w) * cosine
         if not self.material.transmits:
             return self._bounced_again()[:, None] * np.where(out.inside, 0, above)
-        below = (1 - self.E_inside(out.w)) / (1 - self.E_inside.mean) * cosine
+        below = self.E_inside.loss(out.w) * cosine
         return np.where(out.inside, self.through * below, (1 - self.through) * above)[None]
 
     def _bounced_again(self) -> Array:
@@ -189,7 +197,8 @@ class EnergyCompensated(MethodBase):
             return 0.0
         F = _cosine_mean(self.material.reflectance)
         lost, lost_inside = 1 - self.E.mean, 1 - self.E_inside.mean
-        return float((1 - F[0]) * lost_inside / max(lost, lost_inside))
+        most = max(lost, lost_inside)
+        return float((1 - F[0]) * lost_inside / most) if most > 0 else 0.0
 
 
 def _cosine_mean(fresnel: Callable[[Array], Array]) -> Array:

@@ -139,6 +139,9 @@ class Solve(MethodBase):
         wi, wo = wi.astype(float), wo.astype(float)
         value, unresolved = self.fine.evaluate(wi, wo)
         error = np.max([np.abs(value - c.evaluate(wi, wo)[0]) for c in self.coarse], axis=0)
+        # Ripples about a value that is nearly 0 go below it.
+        error = np.maximum(error, -value)
+        value = np.maximum(value, 0)
         value[:, 0] = first_order(self.slopes, self.material, wi, outgoing(self.slopes, wo))
         return Evaluation(value.astype(dtype), error.astype(dtype), unresolved)
 

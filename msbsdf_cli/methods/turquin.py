@@ -7,9 +7,14 @@ from msbsdf_cli.methods.energy_compensated import Albedo
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.single import Single, first_order
 from msbsdf_cli.methods.traits import Traits
+from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
+
+LEAST_ALBEDO = 1e-3
+"""Of a single bounce at normal incidence; below, all light of a picture would come from one sample
+in thousands."""
 
 
 class Turquin(MethodBase):
@@ -41,6 +46,12 @@ class Turquin(MethodBase):
         super().check_supported(slopes, material)
         if not material.specular or material.transmits:
             raise UnsupportedError("method turquin is for conductors: F0 is the colour of a metal")
+        zenith = np.array([[0.0], [0.0], [1.0]])
+        if first_order_albedo(slopes, material, zenith)[0] < LEAST_ALBEDO:
+            raise UnsupportedError(
+                f"method turquin is not for roughness {slopes.alpha_x:g},{slopes.alpha_y:g}: it "
+                "brightens what a single bounce returns, and that is next to nothing"
+            )
 
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))

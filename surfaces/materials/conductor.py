@@ -71,6 +71,8 @@ class Conductor(Material):
             return super().reflectance(cos_i)
         eta, k = np.array(self.eta_k, cos_i.dtype).T[..., None]
         kept = 1 - absorptance_conductor(cos_i.ravel(), eta, k).astype(float, copy=False)
+        # What is absorbed altogether comes to 1 but for rounding.
+        kept = np.maximum(kept, 0)
         return kept.reshape(self.channels, *cos_i.shape)
 
     def scatter(

@@ -186,7 +186,8 @@ class Published(FollowsPaths):
                 out = wo[:, ends] if above else -wo[:, ends]
                 h = walks.h[lanes, None] if above else -walks.h[lanes, None]
                 passes = escape(self.heights, self._Lambda(out), out[2], h)
-                value[:, lanes[:, None], ends] = phase * passes
+                with np.errstate(invalid="ignore"):
+                    value[:, lanes[:, None], ends] = phase * passes
         return value if walks.weight is None else value * walks.weight[:, :, None]
 
     def _phase(

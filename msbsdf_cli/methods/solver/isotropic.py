@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate
+from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate, sparse_modes
 from msbsdf_cli.methods.solver.normalisation import KernelScale, balance
 from msbsdf_cli.methods.solver.orders import Discretisation, Kernel, Rows
 from msbsdf_cli.smith.slopes import Slopes
@@ -65,7 +65,11 @@ class MirrorModes(Discretisation):
         return distinct_elevations(d)
 
     def parting(self, a: Array, b: Array) -> Array:
-        return parting(a, b, self.modes)
+        return self._numbers[1].T @ parting(a, b, self.modes)
+
+    @cached_property
+    def _numbers(self) -> tuple[Array, Array]:
+        return sparse_modes(self.modes)
 
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
@@ -78,13 +82,13 @@ class MirrorModes(Discretisation):
 
     @cached_property
     def _azimuths(self) -> tuple[Array, Array]:
-        """Azimuths (p,), and factors (p, modes) for the modes of an even function there."""
+        """Azimuths (p,), and factors (p, k) for the chosen modes of an even function there."""
         phi, weight = azimuths(self.modes)
-        cosines = np.cos(np.multiply.outer(phi, np.arange(self.modes)))
+        cosines = np.cos(np.multiply.outer(phi, self._numbers[0]))
         return phi, 2 * weight[:, None] * cosines
 
     def _rows(self, d: Array) -> tuple[Array, Array]:
-        """Matrices (channels, modes, rows, nodes): to downward and to upward directions."""
+        """Matrices (channels, k, rows, nodes): to downward and to upward directions."""
         v = np.array([np.hypot(d[0], d[1]), 0 * d[0], -np.abs(d[2])])
         x = coordinate(v[0], -v[2])
         below, nodes = self.elevations.between(0 * x, x), self.elevations.nodes
@@ -97,7 +101,12 @@ class MirrorModes(Discretisation):
         return np.swapaxes(down, 1, 2), np.moveaxis(across, -1, 1)
 
     def _modes(self, v: Array, sin: Array, cos: Array) -> Array:
-        """Modes (channels, rows, n, modes) of q from `v` (3, rows) to sines, cosines (rows, n)."""
+        """Modes (channels, rows, n, k) of q from `v` (3, rows) to sines, cosines (rows, n)."""
+        step = max(CHUNK // (sin.shape[0] * self._azimuths[0].size), 1)
+        parts = (slice(i, i + step) for i in range(0, sin.shape[1], step))
+        return np.concatenate([self._some_modes(v, sin[:, i], cos[:, i]) for i in parts], axis=2)
+
+    def _some_modes(self, v: Array, sin: Array, cos: Array) -> Array:
         phi, factors = self._azimuths
         shape = (*sin.shape, phi.size)
         w = np.empty((3, *shape))

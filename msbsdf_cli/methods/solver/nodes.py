@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from surfaces.facet import Array
 from surfaces.quadrature import gauss
@@ -19,6 +20,10 @@ directions depends on the ratio of their elevations, so that the nodes must crow
 AZIMUTH_CROWDING = 3
 """Azimuths are phi = pi x^3: the kernel peaks at phi = 0 with a width as small as the difference
 of the elevations, and every scale of that is resolved alike."""
+
+DENSE = 16
+"""Modes up to which all are taken, and for each doubling of the number beyond, or nearly; with it,
+values of mirrors of roughness .05 to 1 differ by at most 3e-7 of the largest from all modes'."""
 
 PEAK = 96
 """Azimuths for the kernel itself, beside those that its modes need."""
@@ -193,3 +198,21 @@ def azimuths(modes: int) -> tuple[Array, Array]:
     x, weight = gauss(5 * modes // 2 + PEAK)
     phi = np.pi * x**AZIMUTH_CROWDING
     return phi, np.pi * AZIMUTH_CROWDING * x ** (AZIMUTH_CROWDING - 1) * weight
+
+
+def sparse_modes(modes: int) -> tuple[Array, Array]:
+    """Numbers (k,) of the modes that stand for all of them, and the matrix (modes, k) of values
+    between these.
+
+    A lobe that is narrow in azimuth has modes that change slowly with their number, the more
+    slowly the higher they are: of those from DENSE on, one for each DENSE-th part of the number is
+    enough for splines of the fifth degree. The kernel of mirrors has no edge in azimuth, which
+    would make its modes swing.
+    """
+    numbers = [0]
+    while numbers[-1] < modes - 1:
+        numbers.append(min(numbers[-1] + max(numbers[-1] // DENSE, 1), modes - 1))
+    if len(numbers) == modes:
+        return np.array(numbers), np.eye(modes)
+    spline = make_interp_spline(numbers, np.eye(len(numbers)), 5)
+    return np.array(numbers), spline(np.arange(modes))

@@ -61,6 +61,13 @@ class SlopeQuadrature:
         w = (cos_t - cos_i / eta) * m - d[:, None] / eta
         return reflected, _lit(w, weight * (1 - reflectance))
 
+    def mirror(self, d: Array, reflectance: Callable[[Array], Array]) -> Light:
+        """What mirrors of a reflectance (n,) of the cosine reflect of light along `d` (3,)."""
+        theta = float(np.arctan2(np.hypot(d[0], d[1]), -d[2]))
+        m, weight = self.facing(d, [_mirror_horizon(theta)])
+        cos_i = np.clip(-(d @ m), np.finfo(float).tiny, 1)
+        return _lit(d[:, None] + 2 * cos_i * m, weight * reflectance(cos_i))
+
     def facing(self, d: Array, edges: list[Edge]) -> tuple[Array, Array]:
         """Unit normals (3, n) that face a direction of travel (3,), and weights <-d, m> D(m) dm.
 

@@ -1,0 +1,154 @@
+"""What a cell's figures are held against, none of it from the method that is judged.
+
+The energy of the first order is an integral over facets with edges put where light begins to be
+reflected totally or to leave, by two rules of different fineness. All energy together is 1 where
+nothing absorbs. The orders in between are those of `solve` where its own error is small enough, and
+for `solve` itself those of long walks.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from msbsdf_cli.experiments.stability.points import Point
+from msbsdf_cli.methods.protocol import UnsupportedError
+from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.methods.solver.size import energy_seconds
+from msbsdf_cli.methods.solver.slope_quadrature import Light, SlopeQuadrature
+from msbsdf_cli.smith.albedo import first_order_albedo
+from msbsdf_cli.smith.masking import masking_shadowing
+from msbsdf_cli.smith.walk import random_walk
+from surfaces.facet import Array
+from surfaces.streams import stream
+
+PANELS = (20, 30)
+"""Nodes between edges of the two rules, whose difference is the error of the first order."""
+
+DIFFUSE_ERROR = 1e-3
+"""Of the first order of diffuse facets, a product rule of 12 by 24 directions, up to grazing."""
+
+AFFORDABLE_S = 3.0
+"""Seconds up to which a cell is worth a solution of its own."""
+
+WALKS, MOST_FACETS = 20_000, 200
+"""Walks that a cell's truth is made of, and the facets after which they count as unresolved."""
+
+
+@dataclass(frozen=True)
+class Energies:
+    """Energy of each order, both sides, and its error, (orders + 1,) each; NaN where unknown."""
+
+    value: Array
+    error: Array
+    source: str
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The truth of one point."""
+
+    point: Point
+    seed: int
+
+    @property
+    def wi(self) -> Array:
+        """The incident direction (3,)."""
+        return self.point.scene.wi(self.point.theta)
+
+    def first(self, correlated: bool = True) -> tuple[float, float]:
+        """Energy of the first order, and its error."""
+        scene = self.point.scene
+        if not scene.material.specular:
+            albedo = float(np.mean(scene.material.albedos))
+            if not correlated:
+                return float("nan"), float("inf")
+            return albedo * float(
+                first_order_albedo(scene.slopes, scene.material, self.wi[:, None])[0]
+            ), DIFFUSE_ERROR
+        coarse, fine = (self._first(panel, correlated) for panel in PANELS)
+        return fine, abs(fine - coarse)
+
+    @property
+    def total(self) -> float:
+        """Energy of all orders, where nothing absorbs."""
+        return float("nan") if self.point.scene.material.absorbs else 1.0
+
+    @cached_property
+    def solved(self) -> Energies | None:
+        """The orders by `solve`, where it may."""
+        scene = self.point.scene
+        if energy_seconds(scene.slopes, scene.material) > AFFORDABLE_S:
+            return None
+        try:
+            energy = Solve(scene.slopes, scene.material, scene.orders).energy(self.wi)
+        except (UnsupportedError, ArithmeticError):
+            return None
+        value = (energy.reflected + energy.transmitted)[0]
+        return Energies(value, energy.error[0], "solve")
+
+    @cached_property
+    def walked(self) -> Energies:
+        """The orders by long walks in double precision."""
+        scene = self.point.scene
+        counts = np.zeros(scene.orders + 2)
+        squares = np.zeros_like(counts)
+        for light in random_walk(
+            scene.slopes,
+            scene.material,
+            self.wi,
+            WALKS,
+            stream(self.seed, "stability walks", *self.point.place),
+            MOST_FACETS,
+        ):
+            weight = np.ones(light.w.shape[1]) if light.weight is None else light.weight[0]
+            k = min(light.order - 1, scene.orders) if light.resolved else -1
+            counts[k] += weight.sum()
+            squares[k] += (weight * weight).sum()
+        mean = counts / WALKS
+        stderr = np.sqrt(np.maximum(squares / WALKS - mean * mean, 0) / WALKS)
+        # What has not happened in so many walks may yet happen once in as many.
+        error = np.hypot(stderr, 1 / WALKS)[:-1]
+        error[-1] += mean[-1]
+        return Energies(mean[:-1], error, "long walks")
+
+    @property
+    def bounces(self) -> float:
+        """Facets that a walk hits in the mean, as far as it is followed."""
+        return self._pilot[0]
+
+    @property
+    def longer(self) -> float:
+        """Share of walks that hit more than `MOST_FACETS`."""
+        return self._pilot[1]
+
+    @cached_property
+    def _pilot(self) -> tuple[float, float]:
+        scene = self.point.scene
+        rng = stream(self.seed, "stability pilot", *self.point.place)
+        walks = random_walk(scene.slopes, scene.material, self.wi, PILOT, rng, MOST_FACETS)
+        facets, longer = 0, 0
+        for light in walks:
+            facets += light.order * light.w.shape[1]
+            longer += 0 if light.resolved else light.w.shape[1]
+        return facets / PILOT, longer / PILOT
+
+    def _first(self, panel: int, correlated: bool) -> float:
+        """By the quadrature over facets of `panel` nodes between edges."""
+        scene = self.point.scene
+        slopes, material, wi = scene.slopes, scene.material, self.wi
+        quadrature = SlopeQuadrature(slopes, panel, slopes.alpha_x == slopes.alpha_y)
+        lights: tuple[Light, ...]
+        if material.transmits:
+            lights = quadrature.scatter(-wi, material.ior)
+        else:
+            lights = (quadrature.mirror(-wi, lambda cos_i: material.reflectance(cos_i)[0]),)
+        total = 0.0
+        for side, light in enumerate(lights):
+            up = light.w[2] > 0
+            passes = masking_shadowing(slopes, wi[:, None], light.w[:, up], bool(side), correlated)
+            total += float((light.amount[up] * passes).sum())
+        return total
+
+
+PILOT = 4096

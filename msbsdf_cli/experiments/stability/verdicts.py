@@ -1,0 +1,108 @@
+"""From figures to a verdict and its reasons."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from msbsdf_cli.experiments.stability.probes import Figures
+from msbsdf_cli.experiments.stability.truth import Truth
+from msbsdf_cli.methods.traits import Traits
+from surfaces.facet import Array
+
+WORKS, DEGRADED, FAILS, REFUSED, UNKNOWN = "works", "degraded", "fails", "refused", "unknown"
+VERDICTS = (WORKS, DEGRADED, FAILS, REFUSED, UNKNOWN)
+"""From the best to the worst, then those of cells that were not, or cannot be, judged."""
+
+VISIBLE, WRONG = 0.01, 0.05
+"""Errors of energy, as parts of the incident one: of a picture that somebody would see, and of one
+that nobody would take for the material."""
+
+SIGNIFICANT = 5.0
+"""Standard errors: in a map of some 20 000 figures chance reaches so many once in 50 maps."""
+
+FOREIGN = 1e-7
+"""Probability of a chi-square test below which a distribution is another one, likewise."""
+
+LONG_WALKS = 50
+"""Facets in the mean from which walks are out of hand: a hundred times those of ordinary
+surfaces."""
+
+SLOW = 30
+"""Times the seconds of the same method at ordinary roughness."""
+
+
+def judge(
+    figures: Figures, truth: Truth, traits: Traits, deterministic: bool, slowdown: float
+) -> tuple[str, list[str], float]:
+    """Verdict, reasons, and the greatest error of an energy."""
+    reasons: list[tuple[str, str]] = []
+    if figures.nonfinite:
+        reasons.append((FAILS, f"{figures.nonfinite} values are not finite"))
+    if figures.negative:
+        reasons.append((FAILS, f"{figures.negative} values are negative"))
+    extremes = truth.point.parameter == "uniform numbers"
+    worst, known = 0.0, 0
+    if not extremes:
+        for what, error, noise in _energy_errors(figures, truth, traits, deterministic):
+            if not np.isfinite(error) or noise > WRONG / 2:
+                continue
+            known += 1
+            if abs(error) > abs(worst):
+                worst = error
+            grade = _grade(error, noise)
+            if grade != WORKS:
+                reasons.append((grade, f"{what} off by {error:+.2g} +- {noise:.1g}"))
+    if figures.chi_square_p < FOREIGN:
+        reasons.append(
+            (FAILS, f"directions of another distribution (p {figures.chi_square_p:.0e})")
+        )
+    if figures.one_way_z > SIGNIFICANT and figures.one_way > VISIBLE:
+        grade = FAILS if figures.one_way > 10 * VISIBLE else DEGRADED
+        reasons.append((grade, f"not reciprocal, by {figures.one_way:.0%} of a value"))
+    if slowdown > SLOW:
+        reasons.append((DEGRADED, f"{slowdown:.0f} times slower than at ordinary roughness"))
+    for grade in (FAILS, DEGRADED):
+        if any(g == grade for g, _ in reasons):
+            return grade, [text for _, text in sorted(reasons)], worst
+    if not known and not extremes:
+        return UNKNOWN, ["no truth of the energies here, or too much noise"], worst
+    return WORKS, [], worst
+
+
+def _grade(error: float, noise: float) -> str:
+    if abs(error) <= SIGNIFICANT * noise or abs(error) <= VISIBLE:
+        return WORKS
+    return FAILS if abs(error) > WRONG else DEGRADED
+
+
+def _energy_errors(
+    figures: Figures, truth: Truth, traits: Traits, deterministic: bool
+) -> Iterator[tuple[str, float, float]]:
+    """What, its error, and the standard error of that, both noise and what the truth is off by."""
+    assert figures.energy is not None
+    assert figures.stderr is not None
+    energy, stderr = figures.energy, figures.stderr
+    first, first_error = truth.first(traits.correlated)
+    yield "first order", energy[0] - first, float(np.hypot(stderr[0], first_error))
+    if traits.conserves_energy:
+        missing = figures.unresolved
+        yield (
+            "all orders",
+            float(energy.sum()) - truth.total,
+            float(np.hypot(_together(stderr), missing)),
+        )
+        yield "samples", figures.sampled - truth.total, figures.sampled_stderr
+    if traits.model not in ("smith", "published"):
+        return
+    known = truth.walked if deterministic else truth.solved
+    if known is None:
+        return
+    names = [f"order {k}" for k in range(1, energy.size)] + ["later orders"]
+    for k in range(1, energy.size):
+        noise = float(np.hypot(stderr[k], known.error[k]))
+        yield f"{names[k]} ({known.source})", float(energy[k] - known.value[k]), noise
+
+
+def _together(stderr: Array) -> float:
+    """Of the sum of orders that may be noisy together."""
+    return float(stderr.sum())
