@@ -38,7 +38,8 @@ def roulette(left: Array, weight: Array | None, rng: np.random.Generator) -> tup
     if weight is not None:
         left = left * weight.max(axis=0)
     goes_on = np.minimum(PATIENCE * left, 1)
-    stays = rng.random(left.size, dtype=left.dtype) < goes_on
+    # From (0, 1], so that no path goes on whose probability is below the generator's spacing.
+    stays = 1 - rng.random(left.size, dtype=left.dtype) <= goes_on
     return stays, 1 / np.where(stays, goes_on, 1)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from msbsdf_cli.experiments.stability import verdicts
-from msbsdf_cli.experiments.stability.points import ALPHA, ORDERS, THETA, Point
+from msbsdf_cli.experiments.stability.points import ALPHA, ORDERS, THETA, UNIFORM, Point
 from msbsdf_cli.experiments.stability.probes import Figures, measure, seconds
 from msbsdf_cli.experiments.stability.truth import MOST_FACETS, Truth
 from msbsdf_cli.methods.protocol import Method, UnsupportedError
@@ -105,6 +105,8 @@ def run(job: Job) -> list[Row]:
     rows = []
     for name in job.methods:
         scene = job.point.scene
+        if job.point.parameter == UNIFORM and METHODS[name].deterministic:
+            continue
         try:
             METHODS[name].check_supported(scene.slopes, scene.material)
             method, verdict = _affordable(name, scene, job.draft)

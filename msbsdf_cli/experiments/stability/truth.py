@@ -14,10 +14,9 @@ import numpy as np
 from msbsdf_cli.experiments.stability.points import Point
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.methods.solver.first_order import first_order_energy
 from msbsdf_cli.methods.solver.size import energy_seconds
-from msbsdf_cli.methods.solver.slope_quadrature import Light, SlopeQuadrature
 from msbsdf_cli.smith.albedo import first_order_albedo
-from msbsdf_cli.smith.masking import masking_shadowing
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
 from surfaces.streams import stream
@@ -66,7 +65,8 @@ class Truth:
             return albedo * float(
                 first_order_albedo(scene.slopes, scene.material, self.wi[:, None])[0]
             ), DIFFUSE_ERROR
-        coarse, fine = (self._first(panel, correlated) for panel in PANELS)
+        facets = scene.slopes, scene.material, self.wi
+        coarse, fine = (first_order_energy(*facets, panel, correlated) for panel in PANELS)
         return fine, abs(fine - coarse)
 
     @property
@@ -132,23 +132,6 @@ class Truth:
             facets += light.order * light.w.shape[1]
             longer += 0 if light.resolved else light.w.shape[1]
         return facets / PILOT, longer / PILOT
-
-    def _first(self, panel: int, correlated: bool) -> float:
-        """By the quadrature over facets of `panel` nodes between edges."""
-        scene = self.point.scene
-        slopes, material, wi = scene.slopes, scene.material, self.wi
-        quadrature = SlopeQuadrature(slopes, panel, slopes.alpha_x == slopes.alpha_y)
-        lights: tuple[Light, ...]
-        if material.transmits:
-            lights = quadrature.scatter(-wi, material.ior)
-        else:
-            lights = (quadrature.mirror(-wi, lambda cos_i: material.reflectance(cos_i)[0]),)
-        total = 0.0
-        for side, light in enumerate(lights):
-            up = light.w[2] > 0
-            passes = masking_shadowing(slopes, wi[:, None], light.w[:, up], bool(side), correlated)
-            total += float((light.amount[up] * passes).sum())
-        return total
 
 
 PILOT = 4096

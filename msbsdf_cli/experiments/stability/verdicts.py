@@ -3,8 +3,10 @@
 from collections.abc import Iterator
 
 import numpy as np
+from scipy import stats
 
-from msbsdf_cli.experiments.stability.probes import Figures
+from msbsdf_cli.experiments.stability.points import UNIFORM
+from msbsdf_cli.experiments.stability.probes import REPEATS, Figures
 from msbsdf_cli.experiments.stability.truth import Truth
 from msbsdf_cli.methods.traits import Traits
 from surfaces.facet import Array
@@ -17,11 +19,15 @@ VISIBLE, WRONG = 0.01, 0.05
 """Errors of energy, as parts of the incident one: of a picture that somebody would see, and of one
 that nobody would take for the material."""
 
-SIGNIFICANT = 5.0
-"""Standard errors: in a map of some 20 000 figures chance reaches so many once in 50 maps."""
+CHANCE = 5e-7
+"""Probability of a figure by chance below which it is none: of the 20 000 figures of a map one in a
+hundred maps."""
+
+SIGNIFICANT = float(stats.t.isf(CHANCE / 2, REPEATS - 1))
+"""That in standard errors, which are themselves known from the spread of `REPEATS` only."""
 
 FOREIGN = 1e-7
-"""Probability of a chi-square test below which a distribution is another one, likewise."""
+"""Likewise, of a chi-square test."""
 
 LONG_WALKS = 50
 """Facets in the mean from which walks are out of hand: a hundred times those of ordinary
@@ -40,7 +46,7 @@ def judge(
         reasons.append((FAILS, f"{figures.nonfinite} values are not finite"))
     if figures.negative:
         reasons.append((FAILS, f"{figures.negative} values are negative"))
-    extremes = truth.point.parameter == "uniform numbers"
+    extremes = truth.point.parameter == UNIFORM
     worst, known = 0.0, 0
     if not extremes:
         for what, error, noise in _energy_errors(figures, truth, traits, deterministic):
@@ -52,6 +58,8 @@ def judge(
             grade = _grade(error, noise)
             if grade != WORKS:
                 reasons.append((grade, f"{what} off by {error:+.2g} +- {noise:.1g}"))
+    if not traits.samples and figures.stderr is not None and figures.stderr.max() > VISIBLE:
+        reasons.append((DEGRADED, f"states an error of {figures.stderr.max():.1g} itself"))
     if figures.chi_square_p < FOREIGN:
         reasons.append(
             (FAILS, f"directions of another distribution (p {figures.chi_square_p:.0e})")
