@@ -79,9 +79,13 @@ def pilot(scene: Scene) -> tuple[float, float]:
 PILOT, PILOT_ORDER = 4096, 4000
 
 
-def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
+MANY_FACETS = 30
+"""Facets that light meets in the mean from which a run is long on their account."""
+
+
+def scene_warnings(options: dict[str, Any], work_s: float, facets: float = 0.0) -> list[str]:
     """Sentences on what is allowed but has no effect, or costs accuracy or hours; `work_s` is
-    about how many seconds one core will need."""
+    about how many seconds one core will need, and `facets` how many light meets in the mean."""
     warnings = []
     given = click.get_current_context().get_parameter_source
     for other in (other for other in MATERIALS if other != options["material"]):
@@ -96,6 +100,11 @@ def scene_warnings(options: dict[str, Any], work_s: float) -> list[str]:
         warnings.append(
             f"alpha {roughest:g} is rougher than surfaces are: light takes many bounces, "
             "and the run takes long."
+        )
+    if facets > MANY_FACETS:
+        warnings.append(
+            f"light meets {facets:.0f} facets in the mean before it leaves, each of which costs "
+            "as much as a walk of ordinary surfaces; the run takes long."
         )
     expected = work_s / options["threads"]
     if expected > LONG_S:

@@ -27,7 +27,9 @@ def command(**options: Any) -> None:
     options["method"] = methods = common.methods_for(scene, options["method"])
     report = Report("evaluate", scene.slug(), options)
     walks = options["samples"] * len(options["theta"]) * len(methods)
-    report.warn(common.scene_warnings(options, walks * options["points"] / EVALUATIONS_PER_S))
+    facets = common.pilot(scene)[1]
+    work_s = walks * options["points"] * max(facets, 1) / EVALUATIONS_PER_S
+    report.warn(common.scene_warnings(options, work_s, facets if walks else 0.0))
     report.warn(without_effect(options))
     directions = slice_directions(scene, options["phi_o"], options["points"])
     with report.draft() as draft:

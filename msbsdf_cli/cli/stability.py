@@ -71,12 +71,12 @@ def command(**options: Any) -> None:
 def _one(options: dict[str, Any]) -> tuple[Any, Any, Any, bool]:
     """Method, precision and point of one cell, and whether it is of the simulation."""
     from msbsdf_cli.experiments.stability.points import find
-    from msbsdf_cli.experiments.stability.simulation import METHOD
+    from msbsdf_cli.experiments.stability.simulation import METHOD, cells
     from msbsdf_cli.methods.registry import METHODS
 
     method, _, rest = options["cell"].partition(",")
     precision, _, place = rest.partition(",")
-    if method == METHOD:
+    if method == METHOD and options["cell"] in cells(options["full"]):
         return (), (), [], True
     try:
         if method not in METHODS or precision not in ("float64", "float32"):

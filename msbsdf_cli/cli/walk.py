@@ -23,7 +23,8 @@ def command(**options: Any) -> None:
     scene = common.scene_from(options)
     free_paths = common.free_paths_from(options, options["heights"])
     report = Report("walk", scene.slug(), options)
-    report.warn(common.scene_warnings(options, work_s(scene, options)))
+    facets = common.pilot(scene)[1]
+    report.warn(common.scene_warnings(options, work_s(scene, options), facets))
     with report.draft() as draft:
         result = run(scene, free_paths, options)
         lobes = write_run(report, draft, result)

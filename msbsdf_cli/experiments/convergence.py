@@ -33,6 +33,9 @@ class Steps:
     """Whether hit points in single precision are tried as well."""
 
 
+STEPS = Steps()
+"""Those of `simulate --convergence`."""
+
 LIFTS = (1.0, 10.0, 100.0, 1000.0)
 """Offsets of secondary rays, over the one that is used."""
 WAVES = (30, 100, 300, 1000, None)
@@ -61,13 +64,14 @@ def convergence(
     seed: int,
     workers: Workers,
     quiet: bool,
-    steps: Steps = Steps(),
+    steps: Steps | None = None,
 ) -> Table:
     """convergence.csv: energies, and their differences from the last value of each parameter.
 
     `samples` rays for each incident angle and value are spread over `steps.surfaces` surfaces of 16
     correlation lengths, or the same area of others.
     """
+    steps = steps or STEPS
     surfaces = steps.surfaces
     rays = max(samples // surfaces, 1)
     base = Resolution(CELLS_ELSE, EXTENT, 0)

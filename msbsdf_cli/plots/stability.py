@@ -45,12 +45,13 @@ def _draw_maps(
 ) -> None:
     """A panel for each method: a row for each sweep, a cell for each value, its upper half float64
     and its lower one float32, or one precision alone."""
-    lines = list(dict.fromkeys(_line(r) for r in rows if r.method == maps[0][0]))
+    shown = {method for method, _ in maps}
+    lines = list(dict.fromkeys(_line(r) for r in rows if r.method in shown))
     most = max(len(_values(rows, line)) for line in lines)
     across = min(across, len(maps))
     down = -(-len(maps) // across)
     height = 0.19 * len(lines)
-    figure, axes = panels(down, [0.3 * most] * across, height, (1.15, 0.4))
+    figure, axes = panels(down, [0.36 * most] * across, height, (1.0, 0.4))
     for k, axis in enumerate(axes.flat):
         axis.set_axis_off()
         if k < len(maps):
@@ -80,7 +81,7 @@ def _draw_map(
     for i, line in enumerate(lines):
         angle = "" if line[1] is None else f", {_angle(line[1])}"
         name = SHORT.get(line[0], line[0])
-        axis.text(-0.15, i + 0.5, f"{name}{angle}", ha="right", va="center", fontsize=5)
+        axis.text(-0.15, i + 0.5, f"{name}{angle}", ha="right", va="center", fontsize=5.5)
         for j, value in enumerate(_values(rows, line)):
             for k, precision in enumerate(precisions):
                 verdicts = {
@@ -94,6 +95,7 @@ def _draw_map(
                 fill, hatch = LOOKS[verdict]
                 part = 1 / len(precisions)
                 box = Rectangle((j, i + k * part), 1, part, fc=fill, ec="0.6", hatch=hatch, lw=0.3)
+                box.set_clip_on(False)
                 axis.add_patch(box)
             axis.text(
                 j + 0.5,
@@ -101,9 +103,9 @@ def _draw_map(
                 _text(value),
                 ha="center",
                 va="center",
-                fontsize=3.6,
+                fontsize=4.6,
                 color="0.0",
-                bbox={"fc": "white", "ec": "none", "pad": 0.3, "alpha": 0.75},
+                bbox={"fc": "white", "ec": "none", "pad": 0.3, "alpha": 0.7},
             )
     axis.set_xlim(0, max(len(_values(rows, line)) for line in lines))
     axis.set_ylim(len(lines), 0)

@@ -9,7 +9,8 @@ from msbsdf_cli.smith.slopes import Beckmann
 from surfaces.materials import Conductor, Dielectric
 
 MEASURED = [
-    (Conductor(), (0.05, 0.05), 0.56e9),
+    (Conductor(), (0.05, 0.05), 0.066e9),
+    (Conductor(), (0.02, 0.02), 0.30e9),
     (Conductor(), (1, 0.1), 0.33e9),
     (Dielectric(), (0.1, 0.1), 0.26e9),
     (Dielectric(), (0.05, 0.05), 0.92e9),

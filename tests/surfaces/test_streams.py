@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from msbsdf_cli.cli import group
+from msbsdf_cli.experiments.convergence import Steps
 from msbsdf_cli.validation.suite import IDENTITIES, name, plan
 from surfaces import streams
 
@@ -27,7 +28,7 @@ RUNS = [
     ],
 ]
 FEWER = {
-    "msbsdf_cli.experiments.convergence": {"SURFACES": 2, "CELLS": (4, 6), "EXTENTS": (8, 16)},
+    "msbsdf_cli.experiments.convergence": {"STEPS": Steps((4, 6), (8, 16), surfaces=2)},
     "msbsdf_cli.experiments.tradeoff.roughness": {"ALPHAS": (0.5, 1.0)},
 }
 

@@ -67,7 +67,7 @@ class Figures:
     """Of the last evaluation for energies."""
 
 
-def measure(method: Method, truth: Truth, dtype: type, seed: int, draft: bool) -> Figures:
+def measure(method: Method, truth: Truth, dtype: type, seed: int) -> Figures:
     """All figures of a method at a point, in a precision."""
     figures = Figures(walks=walks_for(truth))
     place = method.name, np.dtype(dtype).name, *truth.point.place
@@ -85,9 +85,8 @@ def measure(method: Method, truth: Truth, dtype: type, seed: int, draft: bool) -
         _energies(figures, method, truth, dtype, rng, seed)
         if method.traits.samples:
             _samples(figures, method, truth, dtype, rng, seed)
-        # Each incident direction costs `solve` seconds.
-        affordable = method.traits.samples or not draft
-        if method.traits.reciprocal and truth.point.value not in ENDS and affordable:
+        # Each incident direction costs `solve` seconds, and its F is symmetric by construction.
+        if method.traits.reciprocal and truth.point.value not in ENDS and method.traits.samples:
             _exchanged(figures, method, truth, dtype, rng)
     hidden: int = getattr(method, "hidden", 0)
     figures.nonfinite += hidden - before

@@ -2,9 +2,9 @@
 automatic choice lies."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from msbsdf_cli.experiments.convergence import EXTENT, Steps, convergence
+from msbsdf_cli.experiments.convergence import EXTENT, HITS, LIFTS, WAVES, Steps, convergence
 from msbsdf_cli.experiments.resolution import plan
 from msbsdf_cli.experiments.stability import verdicts
 from msbsdf_cli.experiments.stability.study import Row
@@ -25,6 +25,24 @@ ACCURACY = 2e-3
 
 NUMBERS = (2, 4, 8, 16, 32, 64, 128)
 """Surfaces of the automatic period whose scatter is told."""
+
+
+def cells(full: bool) -> list[str]:
+    """Names of all cells."""
+    steps = FULL if full else DRAFT
+    values: dict[str, Iterable[float | None]] = {
+        "cells": steps.cells,
+        "lift": LIFTS,
+        "hits": HITS,
+        "extent": steps.extents,
+        "waves": WAVES,
+        "surfaces": NUMBERS,
+    }
+    return [_name(p, "all" if v is None else float(v)) for p, some in values.items() for v in some]
+
+
+def _name(parameter: str, value: float | str) -> str:
+    return f"{METHOD},{parameter},{value if isinstance(value, str) else f'{value:g}'}"
 
 
 def simulation(full: bool, seed: int, workers: Workers, quiet: bool) -> list[Row]:
@@ -92,7 +110,6 @@ def _of(
     parameter: str, value: float | str, verdict: str, error: float, stderr: float, note: str
 ) -> Row:
     none = float("nan")
-    text = value if isinstance(value, str) else f"{value:g}"
     return Row(
         method=METHOD,
         precision="float32" if parameter == "hits" and value == 32 else "float64",
@@ -115,5 +132,5 @@ def _of(
         energy_stderr=stderr,
         chi_square_p=none,
         unresolved=none,
-        cell=f"{METHOD},{parameter},{text}",
+        cell=_name(parameter, value),
     )

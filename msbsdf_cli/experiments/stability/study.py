@@ -23,7 +23,7 @@ from surfaces.materials import Material
 
 PRECISIONS = {"float64": np.float64, "float32": np.float32}
 
-PATIENCE_S, PATIENCE_OF_DRAFT_S = 30.0, 1.6
+PATIENCE_S, PATIENCE_OF_DRAFT_S = 5.0, 1.6
 """Seconds beyond which `solve`, which says beforehand how long it takes, is not asked for a
 cell."""
 
@@ -169,7 +169,7 @@ def _measured(job: Job, precision: str, method: Method, truth: Truth) -> Row:
         verdict,
         "; ".join(reasons),
         nonfinite=figures.nonfinite,
-        energy_error=error,
+        energy_error=float(error),
         bounces_mean=float("nan") if method.deterministic else truth.bounces,
         slowdown=slowdown,
         energy_stderr=float(figures.stderr.sum()),
@@ -181,11 +181,11 @@ def _measured(job: Job, precision: str, method: Method, truth: Truth) -> Row:
 def _figures(method: Method, truth: Truth, precision: str, job: Job) -> Figures:
     """What is measured; of `solve`, which computes in double precision whatever comes in, once."""
     if method.traits.samples:
-        return measure(method, truth, PRECISIONS[precision], job.seed, job.draft)
+        return measure(method, truth, PRECISIONS[precision], job.seed)
     key = job.name
     if key not in _SOLVED:
         _SOLVED.clear()
-        _SOLVED[key] = measure(method, truth, np.float64, job.seed, job.draft)
+        _SOLVED[key] = measure(method, truth, np.float64, job.seed)
     return _SOLVED[key]
 
 
@@ -204,7 +204,7 @@ def _ordinary_seconds(
     method: Method = METHODS[name](scene.slopes, scene.material, ORDERS)
     truth = Truth(point, seed)
     if not method.traits.samples:
-        return measure(method, truth, PRECISIONS[precision], seed, True).seconds
+        return measure(method, truth, PRECISIONS[precision], seed).seconds
     return seconds(method, truth, PRECISIONS[precision], walks, seed)
 
 

@@ -50,6 +50,8 @@ def judge(
     worst, known = 0.0, 0
     if not extremes:
         for what, error, noise in _energy_errors(figures, truth, traits, deterministic):
+            if np.isfinite(error) and what == "first order" and noise > VISIBLE:
+                reasons.append((DEGRADED, f"values of the first order scatter by {noise:.1g}"))
             if not np.isfinite(error) or noise > WRONG / 2:
                 continue
             known += 1
