@@ -9,22 +9,23 @@ from msbsdf_cli.smith.slopes import NAMES
 
 FEW = ["--quick", "--samples", "2e3", "--threads", "2"]
 
-# A program whose projected areas are 1 % too large, as a user would meet it. It leaves out the
-# methods, which take most of the time and whose identities are faulty one by one elsewhere.
+# A program whose projected areas are 1 % too large, as a user would meet it. It leaves out half of
+# the configurations, and the methods, whose identities are faulty one by one elsewhere.
 BENT = """
 from msbsdf_cli.validation import suite
 plan = suite.plan
-suite.plan = lambda *words: (job for job in plan(*words) if not job.configuration.method)
+kept = lambda job: not job.configuration.method and job.place % 2 == 1
+suite.plan = lambda *words: filter(kept, plan(*words))
 from msbsdf_cli.smith.slopes import Ggx
 right = Ggx.sigma
 Ggx.sigma = lambda self, d: 1.01 * right(self, d)
 """
 
-# Some configurations of every identity, which is enough to tell whether the order of work matters.
+# Some configurations of every identity; all of them have a step of their own in `.ci/run`.
 SOME = """
 from msbsdf_cli.validation import suite
 plan = suite.plan
-suite.plan = lambda *words: (job for job in plan(*words) if (job.number + job.place) % 6 == 1)
+suite.plan = lambda *words: (job for job in plan(*words) if (job.number + job.place) % {} == 2)
 """
 
 COLUMNS = [
@@ -40,7 +41,7 @@ def validate(*words, **how):
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     out = tmp_path_factory.mktemp("validate") / "report"
-    return out, validate(*FEW, "--json", "--out", out)
+    return out, validate(*FEW, "--json", "--out", out, before=SOME.format(3))
 
 
 def rows(out):
@@ -88,10 +89,10 @@ def test_a_faulty_program_ends_with_status_3(tmp_path):
 def test_the_same_numbers_whatever_the_threads(report, tmp_path):
     """Measured in another order and company; verdicts are of all together, and may differ."""
     words = "--threads", 1, "--quiet", "--out", tmp_path / "r"
-    assert validate(*FEW[:-2], *words, before=SOME).returncode == 0
+    assert validate(*FEW[:-2], *words, before=SOME.format(9)).returncode == 0
     measured = [{name: row[name] for name in COLUMNS[:10]} for row in rows(report[0])]
     some = [{name: row[name] for name in COLUMNS[:10]} for row in rows(tmp_path / "r")]
-    assert 50 < len(some) < len(measured)
+    assert 30 < len(some) < len(measured)
     assert all(row in measured for row in some)
 
 

@@ -33,6 +33,12 @@ COSINES, AZIMUTHS = 10, 4
 turned so that the plane of incidence is no border."""
 RESOLVED = 1e-5
 """Least width of a bin: a hundred times the spacing of cosines in single precision."""
+FAR = 6.0
+"""Stated errors by which two values may differ; what may have been missed is in them."""
+TAILED = "outgoing"
+TAIL_DIRECTIONS, TAIL_SUMS, TAIL_WALKS, TAIL_SHARE = 8, 150, 8, 0.05
+"""Where tails are looked at, and in how many directions and sums, of how many walks; the share of
+the sums that is tail."""
 PAIRS = 3
 """Pairs of directions that are exchanged."""
 GRAZING_OUT = (
@@ -62,6 +68,12 @@ class Figures:
     """Greatest relative difference of a value from that of exchanged directions, and how many
     standard errors it is."""
     one_way_z: float = 0.0
+    uncovered: int = 0
+    """Outgoing directions in which two independent values differ by more than their errors say."""
+    tail_index: float = float("nan")
+    """Of what walks add to a value, from the second order on: below 2 the variance has no
+    bound."""
+    tail_stderr: float = 0.0
     unresolved: float = 0.0
     seconds: float = 0.0
     """Of the last evaluation for energies."""
@@ -88,6 +100,10 @@ def measure(method: Method, truth: Truth, dtype: type, seed: int) -> Figures:
         # Each incident direction costs `solve` seconds, and its F is symmetric by construction.
         if method.traits.reciprocal and truth.point.value not in ENDS and method.traits.samples:
             _exchanged(figures, method, truth, dtype, rng)
+        if not method.deterministic and truth.point.value not in ENDS:
+            _covered(figures, method, truth, dtype, rng, seed)
+            if truth.point.parameter == TAILED:
+                _tail(figures, method, truth, dtype, rng)
     hidden: int = getattr(method, "hidden", 0)
     figures.nonfinite += hidden - before
     return figures
@@ -273,6 +289,43 @@ def _exchanged(figures: Figures, method: Method, truth: Truth, dtype: type, rng:
         z = apart * scale / noise if noise > 0 else (np.inf if apart > 0 else 0.0)
         worst = max(worst, (min(z, 1e9), apart))
     figures.one_way_z, figures.one_way = worst
+
+
+def _covered(
+    figures: Figures, method: Method, truth: Truth, dtype: type, rng: Any, seed: int
+) -> None:
+    """Two values of all orders in the same directions, each with the error that it states."""
+    wo: Array = directions(truth, 0, seed)[0].astype(dtype)
+    wi: Array = truth.wi.astype(dtype)
+    (one, error), (other, other_error) = (
+        _summed(method, wi, wo, figures.walks, rng) for _ in range(2)
+    )
+    # Errors of orders add up, as the same walks make them; rounding is that of the largest value.
+    rounding = np.finfo(dtype).eps * np.abs(one).max()
+    apart = np.abs(one - other) - rounding
+    figures.uncovered = int((apart > FAR * np.hypot(error, other_error)).sum())
+
+
+def _tail(figures: Figures, method: Method, truth: Truth, dtype: type, rng: Any) -> None:
+    """Hill's estimator over sums of few walks, whose tail is that of one walk, in directions that
+    are up to grazing; each direction in units of its mean."""
+    polar = np.linspace(0.3, 1.5, TAIL_DIRECTIONS)
+    wo: Array = np.stack([direction(t, 0.3 + k) for k, t in enumerate(polar)], axis=1)
+    wi: Array = truth.wi.astype(dtype)
+    sums = np.array(
+        [
+            method.evaluate(wi, wo.astype(dtype), TAIL_WALKS, rng()).value[0, 1:].sum(axis=0)
+            for _ in range(TAIL_SUMS)
+        ],
+        float,
+    )
+    mean = sums.mean(axis=0)
+    scaled = np.sort((sums[:, mean > 0] / mean[mean > 0]).ravel())
+    top = scaled[-max(int(TAIL_SHARE * scaled.size), 2) :]
+    if scaled.size and top[0] > 0:
+        inverse = np.log(top / top[0])[1:].mean()
+        figures.tail_index = float(1 / inverse) if inverse > 0 else float("inf")
+        figures.tail_stderr = figures.tail_index / np.sqrt(top.size - 1)
 
 
 def _summed(method: Method, wi: Array, wo: Array, walks: int, rng: Any) -> tuple[Array, Array]:

@@ -131,6 +131,7 @@ def _of(
         absorptance=0.0,
         energy_stderr=stderr,
         chi_square_p=none,
+        tail_index=none,
         unresolved=none,
         cell=_name(parameter, value),
     )

@@ -1,7 +1,7 @@
 """The map: all methods and precisions at all points."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -56,6 +56,7 @@ class Row:
     absorptance: float
     energy_stderr: float
     chi_square_p: float
+    tail_index: float
     unresolved: float
     cell: str
 
@@ -116,8 +117,21 @@ def run(job: Job) -> list[Row]:
         if isinstance(method, str):
             rows += [_row(job, p, name, verdict, method) for p in job.precisions]
             continue
-        rows += [_measured(job, precision, method, truth) for precision in job.precisions]
+        cells = [_measured(job, precision, method, truth) for precision in job.precisions]
+        rows += [row for row, _ in cells[:1]]
+        rows += [_beside(row, figures, cells[0]) for row, figures in cells[1:]]
     return rows
+
+
+def _beside(row: Row, figures: Figures | None, first: tuple[Row, Figures | None]) -> Row:
+    """The row, told where its energies are not those of the first precision's."""
+    other = first[1]
+    if figures is None or other is None or row.verdict not in (verdicts.WORKS, verdicts.UNKNOWN):
+        return row
+    apart = verdicts.apart(figures, other)
+    if apart is None:
+        return row
+    return replace(row, verdict=verdicts.DEGRADED, note=f"{apart} with {first[0].precision}")
 
 
 def _affordable(name: str, scene: Scene, draft: bool) -> tuple[Method | str, str]:
@@ -133,18 +147,20 @@ def _affordable(name: str, scene: Scene, draft: bool) -> tuple[Method | str, str
     return method, ""
 
 
-def _measured(job: Job, precision: str, method: Method, truth: Truth) -> Row:
-    """One cell, with what it costs beside the same method at ordinary roughness."""
+def _measured(job: Job, precision: str, method: Method, truth: Truth) -> tuple[Row, Figures | None]:
+    """One cell, with what it costs beside the same method at ordinary roughness, and what was
+    measured, if anything was."""
     dtype = PRECISIONS[precision]
     mean = truth.bounces
     if not method.deterministic and (truth.longer > 0 or mean > verdicts.LONG_WALKS):
         longer = f", {truth.longer:.1%} of them more than {MOST_FACETS}" if truth.longer else ""
         note = f"walks hit {mean:.0f} facets{longer}; not measured"
-        return _row(job, precision, method.name, verdicts.DEGRADED, note, bounces_mean=mean)
+        row = _row(job, precision, method.name, verdicts.DEGRADED, note, bounces_mean=mean)
+        return row, None
     try:
         figures = _figures(method, truth, precision, job)
     except ArithmeticError as refusal:
-        return _row(job, precision, method.name, verdicts.REFUSED, f"{refusal}")
+        return _row(job, precision, method.name, verdicts.REFUSED, f"{refusal}"), None
     scene = job.point.scene
     kinds = type(scene.slopes), type(scene.material)
     ordinary = _ordinary_seconds(
@@ -162,7 +178,7 @@ def _measured(job: Job, precision: str, method: Method, truth: Truth) -> Row:
         figures, truth, method.traits, method.deterministic, slowdown
     )
     assert figures.stderr is not None
-    return _row(
+    row = _row(
         job,
         precision,
         method.name,
@@ -174,8 +190,10 @@ def _measured(job: Job, precision: str, method: Method, truth: Truth) -> Row:
         slowdown=slowdown,
         energy_stderr=float(figures.stderr.sum()),
         chi_square_p=figures.chi_square_p,
+        tail_index=figures.tail_index,
         unresolved=figures.unresolved,
     )
+    return row, figures
 
 
 def _figures(method: Method, truth: Truth, precision: str, job: Job) -> Figures:
@@ -222,6 +240,7 @@ def _row(job: Job, precision: str, name: str, verdict: str, note: str, **figures
         "slowdown": none,
         "energy_stderr": none,
         "chi_square_p": none,
+        "tail_index": none,
         "unresolved": none,
     }
     return Row(

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import stats
 
 from msbsdf_cli.experiments.stability.points import UNIFORM
-from msbsdf_cli.experiments.stability.probes import REPEATS, Figures
+from msbsdf_cli.experiments.stability.probes import DIRECTIONS, REPEATS, Figures
 from msbsdf_cli.experiments.stability.truth import Truth
 from msbsdf_cli.methods.traits import Traits
 from surfaces.facet import Array
@@ -28,6 +28,9 @@ SIGNIFICANT = float(stats.t.isf(CHANCE / 2, REPEATS - 1))
 
 FOREIGN = 1e-7
 """Likewise, of a chi-square test."""
+
+FEW = 2
+"""Directions in which values may lie apart by chance, as their errors are estimates as well."""
 
 LONG_WALKS = 50
 """Facets in the mean from which walks are out of hand: a hundred times those of ordinary
@@ -69,6 +72,13 @@ def judge(
     if figures.one_way_z > SIGNIFICANT and figures.one_way > VISIBLE:
         grade = FAILS if figures.one_way > 10 * VISIBLE else DEGRADED
         reasons.append((grade, f"not reciprocal, by {figures.one_way:.0%} of a value"))
+    if figures.uncovered > FEW:
+        reasons.append(
+            (DEGRADED, f"stated errors are too small in {figures.uncovered} of {DIRECTIONS}")
+        )
+    if figures.tail_index + 3 * figures.tail_stderr < 2:
+        index = f"{figures.tail_index:.1f} +- {figures.tail_stderr:.1f}"
+        reasons.append((DEGRADED, f"variance without bound: tail index {index}"))
     if slowdown > SLOW:
         reasons.append((DEGRADED, f"{slowdown:.0f} times slower than at ordinary roughness"))
     for grade in (FAILS, DEGRADED):
@@ -77,6 +87,17 @@ def judge(
     if not known and not extremes:
         return UNKNOWN, ["no truth of the energies here, or too much noise"], worst
     return WORKS, [], worst
+
+
+def apart(figures: Figures, other: Figures) -> str | None:
+    """A sentence where the energies of two precisions differ by more than chance and what is
+    visible, or None."""
+    pairs = zip(figures.energy, figures.stderr, other.energy, other.stderr, strict=True)  # type: ignore[arg-type]
+    for order, (one, error, two, other_error) in enumerate(pairs, 1):
+        difference, noise = float(one - two), float(np.hypot(error, other_error))
+        if abs(difference) > max(SIGNIFICANT * noise, VISIBLE):
+            return f"order {order} differs by {difference:+.2g} from that"
+    return None
 
 
 def _grade(error: float, noise: float) -> str:
