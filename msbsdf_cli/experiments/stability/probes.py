@@ -251,8 +251,9 @@ def _chi_square(truth: Truth, w: Array, n: int, seed: int) -> float:
     lights = random_walk(scene.slopes, scene.material, truth.wi, n, rng, 100_000)
     reference = np.concatenate([light.w for light in lights], axis=1)
     edges = np.quantile(reference[2], np.linspace(0, 1, COSINES + 1)[1:-1])
-    # No bin is so narrow that rounding moves samples into another one.
-    edges = np.unique(np.round(edges / RESOLVED)) * RESOLVED
+    # No bin is so narrow that rounding moves samples into another one, nor one's border where
+    # cosines gather, at 0 and 1.
+    edges = (np.unique(np.floor(edges / RESOLVED)) + 0.5) * RESOLVED
     counts, bins = [], (edges.size + 1) * AZIMUTHS
     for v in (w, reference):
         quarter = ((np.arctan2(v[1], v[0]) - scene.phi + np.pi / 4) // (np.pi / 2)).astype(
