@@ -54,7 +54,11 @@ def command(**options: Any) -> None:
         rows: list[Row] = []
         if chosen:
             draft_only = not options["full"] and options["cell"] is None
-            rows = study(chosen, methods, precisions, draft_only, *how, done, pieces.keep)
+            try:
+                rows = study(chosen, methods, precisions, draft_only, *how, done, pieces.keep)
+            except BaseException:
+                click.echo(kept(pieces), err=True)
+                raise
         if surfaces:
             rows += simulation(options["full"], *how)
             if options["cell"] is not None:
@@ -66,6 +70,15 @@ def command(**options: Any) -> None:
             draw_stability(rows, METHOD, draft)
     pieces.remove()
     report.end(lambda: show(rows, counted))
+
+
+def kept(pieces: Any) -> str:
+    """A sentence on what is left of a run that was stopped."""
+    finished = len(pieces.done())
+    return (
+        f"{finished} finished points are kept in {pieces.directory}; the same command goes on "
+        "from there."
+    )
 
 
 def _one(options: dict[str, Any]) -> tuple[Any, Any, Any, bool]:

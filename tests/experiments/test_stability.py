@@ -206,6 +206,12 @@ def test_what_is_done_is_not_done_again(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_cell_alone_has_the_numbers_that_it_has_in_the_map():
+    together = run(Job(point(), ("single", "walk"), ("float64", "float32"), 0, True))
+    (alone,) = run(Job(point(), ("walk",), ("float32",), 0, False))
+    assert str(replace(alone, slowdown=0.0)) == str(replace(together[-1], slowdown=0.0))
+
+
 def test_maps_are_drawn(tmp_path):
     rows = run(Job(point(), ("walk", "published"), ("float64", "float32"), 0, True))
     draw_stability(rows, "surfaces", tmp_path)
