@@ -36,7 +36,7 @@ RESOLVED = 1e-5
 FAR = 6.0
 """Stated errors by which two values may differ; what may have been missed is in them."""
 TAILED = "outgoing"
-TAIL_DIRECTIONS, TAIL_SUMS, TAIL_WALKS, TAIL_SHARE = 8, 150, 8, 0.05
+TAIL_DIRECTIONS, TAIL_SUMS, TAIL_WALKS, TAIL_SHARE = 8, 100, 8, 0.08
 """Where tails are looked at, and in how many directions and sums, of how many walks; the share of
 the sums that is tail."""
 PAIRS = 3

@@ -16,8 +16,8 @@ from surfaces.materials import Conductor
 
 METHOD = "surfaces"
 SCENE = Scene(Conductor(), Beckmann(1.0, 1.0), (1.0,), 0.0, 3)
-RAYS, RAYS_OF_DRAFT = 2_000_000, 200_000
-DRAFT = Steps(cells=(4, 8, 16), extents=(8, 16), surfaces=8, hits=True)
+RAYS, RAYS_OF_DRAFT = 2_000_000, 100_000
+DRAFT = Steps(cells=(4, 8, 16), extents=(8, 16), surfaces=6, hits=True)
 FULL = Steps(hits=True)
 
 ACCURACY = 2e-3

@@ -29,6 +29,11 @@ SIGNIFICANT = float(stats.t.isf(CHANCE / 2, REPEATS - 1))
 FOREIGN = 1e-7
 """Likewise, of a chi-square test."""
 
+NARROW = 2 / (REPEATS * DIRECTIONS)
+"""Product of the roughnesses below which the lobes of later orders, some pi times that in solid
+angle, are narrower than the directions of a hemisphere are dense: most would be missed. The first
+order, which is known in closed form, and samples remain."""
+
 FEW = 2
 """Directions in which values may lie apart by chance, as their errors are estimates as well."""
 
@@ -116,13 +121,13 @@ def _energy_errors(
     first, first_error = truth.first(traits.correlated)
     yield "first order", energy[0] - first, float(np.hypot(stderr[0], first_error))
     if traits.conserves_energy:
-        missing = figures.unresolved
-        yield (
-            "all orders",
-            float(energy.sum()) - truth.total,
-            float(np.hypot(_together(stderr), missing)),
-        )
         yield "samples", figures.sampled - truth.total, figures.sampled_stderr
+    slopes = truth.point.scene.slopes
+    if slopes.alpha_x * slopes.alpha_y < NARROW and traits.samples:
+        return
+    if traits.conserves_energy:
+        noise = float(np.hypot(_together(stderr), figures.unresolved))
+        yield "all orders", float(energy.sum()) - truth.total, noise
     if traits.model not in ("smith", "published"):
         return
     known = truth.walked if deterministic else truth.solved
