@@ -113,6 +113,24 @@ def scene_warnings(options: dict[str, Any], work_s: float, facets: float = 0.0) 
     return warnings
 
 
+def solve_warnings(scene: Scene, methods: tuple[str, ...]) -> list[str]:
+    """A sentence where `solve` is among the methods and takes longer than anybody expects."""
+    from msbsdf_cli.methods.solver.size import value_seconds
+
+    takes = value_seconds(scene.slopes, scene.material)
+    if "solve" not in methods or takes < LONG_FOR_A_METHOD_S:
+        return []
+    alpha = ",".join(f"{a:g}" for a in scene.alpha)
+    return [
+        f"method solve needs about {duration(max(takes, 60))} at roughness {alpha}: the narrower "
+        "the lobes, the more directions it has to tell apart."
+    ]
+
+
+LONG_FOR_A_METHOD_S = 45
+"""Seconds of one method, by a rough law, that a user is told of beforehand."""
+
+
 def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]:
     """The methods that the user wants, or all that hold for the scene.
 

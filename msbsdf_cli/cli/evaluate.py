@@ -30,7 +30,7 @@ def command(**options: Any) -> None:
     facets = common.pilot(scene)[1]
     work_s = walks * options["points"] * max(facets, 1) / EVALUATIONS_PER_S
     report.warn(common.scene_warnings(options, work_s, facets if walks else 0.0))
-    report.warn(without_effect(options))
+    report.warn(without_effect(options) + common.solve_warnings(scene, methods))
     directions = slice_directions(scene, options["phi_o"], options["points"])
     with report.draft() as draft:
         work = scene, methods, directions.wo, options["samples"]
