@@ -21,6 +21,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.evaluate import evaluate
     from msbsdf_cli.experiments.slices import slice_directions, slice_table
+    from msbsdf_cli.methods.registry import METHODS
     from msbsdf_cli.plots.slices import draw_slices
 
     scene = common.scene_from(options)
@@ -29,7 +30,8 @@ def command(**options: Any) -> None:
     walks = options["samples"] * len(options["theta"]) * len(methods)
     facets = common.pilot(scene)[1]
     work_s = walks * options["points"] * max(facets, 1) / EVALUATIONS_PER_S
-    report.warn(common.scene_warnings(options, work_s, facets if walks else 0.0))
+    random = not all(METHODS[name].deterministic for name in methods)
+    report.warn(common.scene_warnings(options, work_s, facets if random else 0.0))
     report.warn(without_effect(options) + common.solve_warnings(scene, methods))
     directions = slice_directions(scene, options["phi_o"], options["points"])
     with report.draft() as draft:

@@ -12,18 +12,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msbsdf_cli.experiments.outgoing_directions import outgoing_directions
 from msbsdf_cli.experiments.slices import channel_names
 from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.methods.single import Single, first_order, phase_density
+from msbsdf_cli.methods.single import Single, first_order
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import order_names
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene, direction
-from surfaces.facet import Array, unit_circle
+from surfaces.facet import Array
 from surfaces.streams import stream
 
 REPEATS = 16
@@ -132,7 +133,7 @@ def _integrate(
     """One repetition: albedos (channels, orders + 2), and what errors that a method without noise
     states of its values come to, likewise."""
     first = single.sample(wi, FIRST, rng)[1].mean(axis=1)
-    wo, share = _outgoing(single, wi, rng)
+    wo, share = outgoing_directions(single, wi, DIRECTIONS, rng)
     found = method.evaluate(wi, wo, walks, rng)
     added = found.value.copy()
     added[:, 0] -= first_order(single.slopes, single.material, wi, outgoing(single.slopes, wo))
@@ -159,24 +160,6 @@ def _unseen(method: Method, walks: int, first: int, orders: int) -> Array:
 def _with_total(orders: Array) -> Array:
     """(channels, orders + 1) and their sum."""
     return np.concatenate([orders, orders.sum(axis=1, keepdims=True)], axis=1)
-
-
-def _outgoing(single: Single, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Outgoing directions (3, n) and 1 / (n density) (n,): half of them from cosine lobes on each
-    side that light leaves on, half from the first bounce; 0 where that one does not leave."""
-    n = DIRECTIONS // 2
-    cos_phi, sin_phi = unit_circle(n, rng)
-    # Strata: each n-th of the squared radius once.
-    radius2 = (rng.permutation(n) + rng.random(n)) / n
-    sides = 2 if single.material.transmits else 1
-    z = np.sqrt(1 - radius2) * np.where(np.arange(n) % sides == 1, -1, 1)
-    lobe = np.stack([np.sqrt(radius2) * cos_phi, np.sqrt(radius2) * sin_phi, z])
-    bounced, weight = single.sample(wi, n, rng)
-    leaves = np.append(np.ones(n, bool), weight[0] > 0)
-    wo = np.hstack([lobe, np.where(leaves[n:], bounced, lobe)])
-    density = phase_density(single.slopes, single.material, wi, wo)
-    density += np.abs(wo[2]) / np.pi / sides
-    return wo, leaves / (n * density)
 
 
 def furnace_table(scene: Scene, results: list[Albedos]) -> Table:

@@ -46,3 +46,13 @@ def test_first_order_albedo_at_grazing_is_that_of_samples(slopes, rng):
             weight = Single(slopes, material, 1).sample(wi, 200_000, rng)[1][0]
             error = weight.mean() - first_order_albedo(slopes, material, wi[:, None])[0]
             assert abs(error) < 4 * weight.std() / np.sqrt(weight.size) + 1e-5
+
+
+@pytest.mark.parametrize("material", [Conductor(), Dielectric(1.5)])
+def test_smooth_surfaces_lose_no_negative_energy(material):
+    method = EnergyCompensated(Beckmann(0.02, 0.02), material, 1)
+    theta = np.linspace(0, np.pi / 2, 200, endpoint=False)
+    wo = np.stack([np.sin(theta), 0 * theta, np.cos(theta)])
+    for angle in (0.0, 0.8, 1.5):
+        wi = np.array([np.sin(angle), 0, np.cos(angle)])
+        assert (method.evaluate(wi, wo, 0, np.random.default_rng(0)).value >= 0).all()

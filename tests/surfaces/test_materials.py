@@ -94,3 +94,10 @@ def test_diffuse_density_straight_from_above(azimuth):
     straight = Diffuse().density(slopes, np.array([[0.0], [0.0], [-1.0]]), w)
     nearly = Diffuse().density(slopes, np.array([[1e-7], [0.0], [-1.0]]), w)
     np.testing.assert_allclose(straight, nearly, rtol=1e-5)
+
+
+def test_what_absorbs_all_light_reflects_none_and_not_less():
+    cos_i = np.append(np.linspace(0.01, 1, 1000), 1 - np.geomspace(1e-16, 1e-3, 100))
+    for dtype in (np.float64, np.float32):
+        reflectance = Conductor(((1.0, 0.0),)).reflectance(cos_i.astype(dtype))
+        assert (reflectance >= 0).all()

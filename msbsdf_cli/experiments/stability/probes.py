@@ -8,15 +8,16 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
+from msbsdf_cli.experiments.outgoing_directions import outgoing_directions
 from msbsdf_cli.experiments.stability.extremes import ENDS, Extremes
 from msbsdf_cli.experiments.stability.points import HORIZON
 from msbsdf_cli.experiments.stability.truth import Truth
 from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.protocol import Method
-from msbsdf_cli.methods.single import Single, first_order, phase_density
+from msbsdf_cli.methods.single import Single, first_order
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.walk import random_walk
-from surfaces.facet import Array, unit_circle
+from surfaces.facet import Array
 from surfaces.streams import stream
 
 DIRECTIONS, DIRECTIONS_SOLVED = 32, 8
@@ -197,22 +198,14 @@ def directions(
 ) -> tuple[Array, Array]:
     """Outgoing directions (3, n) of a repetition and their weights in a sum over all directions,
     the same for all methods and precisions."""
-    scene, wi = truth.point.scene, truth.wi
+    scene = truth.point.scene
     rng = stream(seed, "stability directions", *truth.point.place, repeat)
-    n, sides = number // 2, 2 if scene.material.transmits else 1
-    cos_phi, sin_phi = unit_circle(n, rng)
-    radius2 = (rng.permutation(n) + rng.random(n)) / n
-    z = np.sqrt(1 - radius2) * np.where(np.arange(n) % sides == 1, -1, 1)
-    lobe = np.stack([np.sqrt(radius2) * cos_phi, np.sqrt(radius2) * sin_phi, z])
     single = Single(scene.slopes, scene.material.lossless, 1)
-    bounced, weight = single.sample(wi, n, rng)
-    leaves = np.append(np.ones(n, bool), weight[0] > 0)
-    wo = np.hstack([lobe, np.where(leaves[n:], bounced, lobe)])
-    if truth.point.parameter == "outgoing":
-        wo = np.hstack([wo, _extreme_directions(str(truth.point.value))])
-        leaves = np.append(leaves, np.zeros(wo.shape[1] - leaves.size, bool))
-    density = phase_density(scene.slopes, scene.material, wi, wo) + np.abs(wo[2]) / np.pi / sides
-    return wo, np.where(leaves, 1 / (n * np.maximum(density, np.finfo(float).tiny)), 0)
+    wo, share = outgoing_directions(single, truth.wi, number, rng)
+    if truth.point.parameter == TAILED:
+        asked = _extreme_directions(str(truth.point.value))
+        wo, share = np.hstack([wo, asked]), np.append(share, np.zeros(asked.shape[1]))
+    return wo, share
 
 
 def _extreme_directions(where: str) -> Array:

@@ -28,10 +28,6 @@ PATIENCE_S, PATIENCE_OF_DRAFT_S = 5.0, 1.6
 cell."""
 
 
-_SOLVED: dict[str, Figures] = {}
-"""Figures of `solve` at the last point, which serve both precisions."""
-
-
 @dataclass(frozen=True)
 class Row:
     """One cell of stability.csv."""
@@ -117,7 +113,11 @@ def run(job: Job) -> list[Row]:
         if isinstance(method, str):
             rows += [_row(job, p, name, verdict, method) for p in job.precisions]
             continue
-        cells = [_measured(job, precision, method, truth) for precision in job.precisions]
+        cells: list[tuple[Row, Figures | None]] = []
+        for precision in job.precisions:
+            # `solve` computes in double precision whatever comes in: once is enough.
+            known = cells[0][1] if cells and not method.traits.samples else None
+            cells.append(_measured(job, precision, method, truth, known))
         rows += [row for row, _ in cells[:1]]
         rows += [_beside(row, figures, cells[0]) for row, figures in cells[1:]]
     return rows
@@ -147,10 +147,12 @@ def _affordable(name: str, scene: Scene, draft: bool) -> tuple[Method | str, str
     return method, ""
 
 
-def _measured(job: Job, precision: str, method: Method, truth: Truth) -> tuple[Row, Figures | None]:
+def _measured(
+    job: Job, precision: str, method: Method, truth: Truth, known: Figures | None
+) -> tuple[Row, Figures | None]:
     """One cell, with what it costs beside the same method at ordinary roughness, and what was
-    measured, if anything was."""
-    dtype = PRECISIONS[precision]
+    measured, if anything was; `known` is taken for it where it is there."""
+    dtype = PRECISIONS[precision if method.traits.samples else "float64"]
     mean = truth.bounces
     if not method.deterministic and (truth.longer > 0 or mean > verdicts.LONG_WALKS):
         longer = f", {truth.longer:.1%} of them more than {MOST_FACETS}" if truth.longer else ""
@@ -158,7 +160,7 @@ def _measured(job: Job, precision: str, method: Method, truth: Truth) -> tuple[R
         row = _row(job, precision, method.name, verdicts.DEGRADED, note, bounces_mean=mean)
         return row, None
     try:
-        figures = _figures(method, truth, precision, job)
+        figures = known or measure(method, truth, dtype, job.seed)
     except ArithmeticError as refusal:
         return _row(job, precision, method.name, verdicts.REFUSED, f"{refusal}"), None
     scene = job.point.scene
@@ -194,17 +196,6 @@ def _measured(job: Job, precision: str, method: Method, truth: Truth) -> tuple[R
         unresolved=figures.unresolved,
     )
     return row, figures
-
-
-def _figures(method: Method, truth: Truth, precision: str, job: Job) -> Figures:
-    """What is measured; of `solve`, which computes in double precision whatever comes in, once."""
-    if method.traits.samples:
-        return measure(method, truth, PRECISIONS[precision], job.seed)
-    key = job.name
-    if key not in _SOLVED:
-        _SOLVED.clear()
-        _SOLVED[key] = measure(method, truth, np.float64, job.seed)
-    return _SOLVED[key]
 
 
 @lru_cache(maxsize=256)

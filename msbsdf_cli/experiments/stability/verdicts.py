@@ -34,6 +34,8 @@ NARROW = 2 / (REPEATS * DIRECTIONS)
 angle, are narrower than the directions of a hemisphere are dense: most would be missed. The first
 order, which is known in closed form, and samples remain."""
 
+ONLY_FIRST = "judged by its first order and its samples: later lobes are too narrow to be found"
+
 FEW = 2
 """Directions in which values may lie apart by chance, as their errors are estimates as well."""
 
@@ -91,7 +93,7 @@ def judge(
             return grade, [text for _, text in sorted(reasons)], worst
     if not known and not extremes:
         return UNKNOWN, ["no truth of the energies here, or too much noise"], worst
-    return WORKS, [], worst
+    return WORKS, [ONLY_FIRST] if _narrow(truth, traits) and not extremes else [], worst
 
 
 def apart(figures: Figures, other: Figures) -> str | None:
@@ -122,8 +124,7 @@ def _energy_errors(
     yield "first order", energy[0] - first, float(np.hypot(stderr[0], first_error))
     if traits.conserves_energy:
         yield "samples", figures.sampled - truth.total, figures.sampled_stderr
-    slopes = truth.point.scene.slopes
-    if slopes.alpha_x * slopes.alpha_y < NARROW and traits.samples:
+    if _narrow(truth, traits):
         return
     if traits.conserves_energy:
         noise = float(np.hypot(_together(stderr), figures.unresolved))
@@ -137,6 +138,11 @@ def _energy_errors(
     for k in range(1, energy.size):
         noise = float(np.hypot(stderr[k], known.error[k]))
         yield f"{names[k]} ({known.source})", float(energy[k] - known.value[k]), noise
+
+
+def _narrow(truth: Truth, traits: Traits) -> bool:
+    slopes = truth.point.scene.slopes
+    return traits.samples and slopes.alpha_x * slopes.alpha_y < NARROW
 
 
 def _together(stderr: Array) -> float:

@@ -54,7 +54,7 @@ class Published(FollowsPaths):
     """
 
     name = "published"
-    traits = Traits("#56b4e9", "v", model="published", consistent=False)
+    traits = Traits("#882255", "v", model="published", consistent=False)
 
     def __init__(
         self,
@@ -92,7 +92,8 @@ class Published(FollowsPaths):
                     estimate.open_tail(walks.size, wo.shape[1])
                 walks = self._bounce(walks, wo, order, estimate, rng)
                 order += 1
-            cut += walks.size
+            # Of those at their last facet some would have left.
+            cut += self._next_heights(walks, rng)[0].size if walks.size else 0
             estimate.close_batch()
         return Evaluation(*estimate.mean(samples), unresolved=cut / samples)
 
