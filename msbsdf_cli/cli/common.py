@@ -16,7 +16,8 @@ RAYS_PER_S = 1e6
 TRIANGLES_PER_S = 1e6
 """Rough rates of one core, for telling beforehand what takes long."""
 
-LONG_S = 600
+LONG_S = 60
+"""Seconds, by rough estimates, from which a run is called long beforehand."""
 
 
 def scene_from(options: dict[str, Any]) -> Scene:
@@ -59,7 +60,7 @@ def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
     return FreePaths(options["free_path_theta"], starts, distribution.edges)
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=16)
 def pilot(scene: Scene) -> tuple[float, float]:
     """Seconds that one core needs for a walk from each incident angle of this scene, and the facets
     that a walk hits in the mean, from a short run."""
@@ -83,34 +84,51 @@ MANY_FACETS = 30
 """Facets that light meets in the mean from which a run is long on their account."""
 
 
-def scene_warnings(options: dict[str, Any], work_s: float, facets: float = 0.0) -> list[str]:
-    """Sentences on what is allowed but has no effect, or costs accuracy or hours; `work_s` is
-    about how many seconds one core will need, and `facets` how many light meets in the mean."""
-    warnings = []
+def scene_warnings(options: dict[str, Any]) -> list[str]:
+    """Sentences on what is allowed but has no effect."""
     given = click.get_current_context().get_parameter_source
-    for other in (other for other in MATERIALS if other != options["material"]):
-        for name in material(other).options:
-            if given(name) is click.core.ParameterSource.COMMANDLINE:
-                warnings.append(
-                    f"--{name.replace('_', '-')} has no effect: it is for --material {other}, "
-                    f"and this is {options['material']}."
-                )
-    roughest = max(options["alpha"])
-    if roughest > 5:
-        warnings.append(
-            f"alpha {roughest:g} is rougher than surfaces are: light takes many bounces, "
-            "and the run takes long."
-        )
-    if facets > MANY_FACETS:
-        warnings.append(
-            f"light meets {facets:.0f} facets in the mean before it leaves, each of which costs "
-            "as much as a walk of ordinary surfaces; the run takes long."
-        )
+    return [
+        f"--{name.replace('_', '-')} has no effect: it is for --material {other}, "
+        f"and this is {options['material']}."
+        for other in (other for other in MATERIALS if other != options["material"])
+        for name in material(other).options
+        if given(name) is click.core.ParameterSource.COMMANDLINE
+    ]
+
+
+def long_warnings(options: dict[str, Any], work_s: float, work: str) -> list[str]:
+    """A sentence where a run takes long: `work_s` is about how many seconds one core will need,
+    and `work` says for what."""
     expected = work_s / options["threads"]
-    if expected > LONG_S:
-        fewer = "--replicates or --directions" if "replicates" in options else "--samples"
-        warnings.append(f"this will take about {duration(expected)}; fewer {fewer} take less.")
-    return warnings
+    if expected < LONG_S:
+        return []
+    fewer = "--replicates or --directions" if "replicates" in options else "--samples"
+    if options.get("realisations"):
+        fewer += " or a lower --accuracy"
+    return [f"this will take about {duration(expected)}, for {work}; fewer {fewer} take less."]
+
+
+def method_warnings(scenes: list[Scene], methods: tuple[str, ...]) -> list[str]:
+    """Sentences on scenes in which the walk meets many facets, or that take `solve` long."""
+    from msbsdf_cli.methods.registry import METHODS
+
+    random = not all(METHODS[name].deterministic for name in methods)
+    said = [facet_warnings(scene) if random else [] for scene in scenes]
+    return [text for some in said for text in some] + [
+        text for scene in scenes for text in solve_warnings(scene, methods)
+    ]
+
+
+def facet_warnings(scene: Scene) -> list[str]:
+    """A sentence where light meets many facets."""
+    facets = pilot(scene)[1]
+    if facets <= MANY_FACETS:
+        return []
+    alpha = ",".join(f"{a:g}" for a in scene.alpha)
+    return [
+        f"light meets {facets:.0f} facets in the mean at roughness {alpha} before it leaves, each "
+        "of which costs as much as a walk of ordinary surfaces; the run takes long."
+    ]
 
 
 def solve_warnings(scene: Scene, methods: tuple[str, ...]) -> list[str]:
@@ -122,7 +140,7 @@ def solve_warnings(scene: Scene, methods: tuple[str, ...]) -> list[str]:
         return []
     alpha = ",".join(f"{a:g}" for a in scene.alpha)
     return [
-        f"method solve needs about {duration(max(takes, 60))} at roughness {alpha}: the narrower "
+        f"method solve needs about {duration(takes)} at roughness {alpha}: the narrower "
         "the lobes, the more directions it has to tell apart."
     ]
 
@@ -154,4 +172,6 @@ def duration(seconds: float) -> str:
     """About how long, in words."""
     if seconds > 2 * 86400:
         return f"{seconds / 86400:.3g} days"
+    if seconds < 90:
+        return f"{seconds:.0f} seconds"
     return f"{seconds / 3600:.1f} hours" if seconds > 7200 else f"{seconds / 60:.0f} minutes"

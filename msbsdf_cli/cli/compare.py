@@ -130,19 +130,37 @@ def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report:
     from msbsdf_cli.cli import common, simulate, walk
 
     simulate.refuse_mesh(options)
-    warnings, work_s, resolution = [], 0.0, None
+    warnings, work_s, resolution, work = [], 0.0, None, []
     if "simulate" not in handed:
         resolution = simulate.resolve(scene, options)
         warnings += simulate.surface_warnings(options)
         work_s += simulate.work_s(scene, options)
-    if options["method"] is None:
-        work_s += 0 if "walk" in handed else walk.work_s(scene, options)
-    elif "walk" in handed:
-        raise click.UsageError("--method replaces the walk; leave out its report, or --method.")
-    else:
+        work.append(simulate.work(options))
+    if options["method"] is not None:
+        if "walk" in handed:
+            raise click.UsageError("--method replaces the walk; leave out its report, or --method.")
         options["method"] = common.methods_for(scene, options["method"])
-    report.warn(warnings + common.scene_warnings(options, work_s))
+        warnings += common.method_warnings([scene], options["method"])
+        work_s += method_work_s(scene, options)
+        work.append(f"{len(options['method'])} methods in all bins")
+    elif "walk" not in handed:
+        warnings += common.facet_warnings(scene)
+        work_s += walk.work_s(scene, options)
+        work.append(walk.work(scene, options))
+    warnings += common.long_warnings(options, work_s, " and ".join(work))
+    report.warn(warnings + common.scene_warnings(options))
     return resolution
+
+
+def method_work_s(scene: Any, options: dict[str, Any]) -> float:
+    """About how many seconds one core needs for lobes of methods in the bins of a simulation."""
+    from msbsdf_cli.cli.common import pilot
+    from msbsdf_cli.cli.evaluate import EVALUATIONS_PER_S
+    from msbsdf_cli.experiments.method_lobes import SAMPLES_OF_RAYS, bins, places
+
+    directions = bins(scene.material.transmits, places(scene))[0].shape[1]
+    walks = options["samples"] * SAMPLES_OF_RAYS * len(scene.theta) * len(options["method"])
+    return float(walks * directions * max(pilot(scene)[1], 1) / EVALUATIONS_PER_S)
 
 
 def simulated_run(

@@ -21,7 +21,6 @@ def command(**options: Any) -> None:
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.evaluate import evaluate
     from msbsdf_cli.experiments.slices import slice_directions, slice_table
-    from msbsdf_cli.methods.registry import METHODS
     from msbsdf_cli.plots.slices import draw_slices
 
     scene = common.scene_from(options)
@@ -30,9 +29,12 @@ def command(**options: Any) -> None:
     walks = options["samples"] * len(options["theta"]) * len(methods)
     facets = common.pilot(scene)[1]
     work_s = walks * options["points"] * max(facets, 1) / EVALUATIONS_PER_S
-    random = not all(METHODS[name].deterministic for name in methods)
-    report.warn(common.scene_warnings(options, work_s, facets if random else 0.0))
-    report.warn(without_effect(options) + common.solve_warnings(scene, methods))
+    walking = (
+        f"{walks:.2g} walks of {facets:.2g} facets in the mean to {options['points']} directions"
+    )
+    report.warn(common.scene_warnings(options) + without_effect(options))
+    report.warn(common.method_warnings([scene], methods))
+    report.warn(common.long_warnings(options, work_s, walking))
     directions = slice_directions(scene, options["phi_o"], options["points"])
     with report.draft() as draft:
         work = scene, methods, directions.wo, options["samples"]

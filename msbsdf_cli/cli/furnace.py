@@ -37,7 +37,12 @@ def command(**options: Any) -> None:
     scene = common.scene_from(options | {"alpha": alphas[0]})
     options["method"] = methods = common.methods_for(scene, options["method"])
     report = Report("furnace", f"{scene.material.name}-{scene.slopes.name}", options)
-    report.warn(common.scene_warnings(options | {"alpha": sum(alphas, ())}, 0.0))
+    report.warn(common.scene_warnings(options))
+    report.warn(common.method_warnings([scene.of_roughness(alpha) for alpha in alphas], methods))
+    points = len(alphas) * len(scene.theta) * len(methods)
+    work_s = points * options["samples"] / WALKS_PER_S
+    work = f"{len(methods)} methods at {len(alphas)} roughnesses and {len(scene.theta)} angles"
+    report.warn(common.long_warnings(options, work_s, work))
     if accuracy is not None and Solve.name not in methods:
         report.warn(["--accuracy has no effect: it is for --method solve."])
     settings = options["samples"], options["seed"], accuracy, options["threads"], options["quiet"]
@@ -50,6 +55,10 @@ def command(**options: Any) -> None:
         report.write(draft, {"furnace.csv": table}, walks)
         draw_furnace(table, draft)
     report.end(lambda: show(scene, results))
+
+
+WALKS_PER_S = 2e4
+"""Rough rate of one core in walks of `--samples`, of any method."""
 
 
 def hardly_known(scene: Any, results: list[Any]) -> list[str]:

@@ -35,7 +35,8 @@ def command(**options: Any) -> None:
     report = Report("simulate", scene.slug(), options)
     refuse_mesh(options)
     resolution = resolve(scene, options)
-    report.warn(common.scene_warnings(options, work_s(scene, options)) + surface_warnings(options))
+    report.warn(common.scene_warnings(options) + surface_warnings(options))
+    report.warn(common.long_warnings(options, work_s(scene, options), work(options)))
     with report.draft() as draft:
         result = run(scene, resolution, free_paths, options)
         lobes = write_run(report, draft, result)
@@ -99,6 +100,13 @@ def work_s(scene: Any, options: dict[str, Any]) -> float:
     triangles = 2 * (options["extent"] * options["cells"]) ** 2 * options["realisations"]
     facets = options["samples"] * len(options["theta"]) * pilot(scene)[1]
     return float(triangles / TRIANGLES_PER_S + facets / RAYS_PER_S)
+
+
+def work(options: dict[str, Any]) -> str:
+    """What that time is for."""
+    side = options["extent"] * options["cells"]
+    rays = options["samples"] * len(options["theta"])
+    return f"{options['realisations']} surfaces of {side} by {side} cells and {rays:.2g} rays"
 
 
 def surface_warnings(options: dict[str, Any]) -> list[str]:

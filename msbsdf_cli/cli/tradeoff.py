@@ -59,7 +59,10 @@ def command(**options: Any) -> None:
     scene = common.scene_from(options)
     options["method"] = common.methods_for(scene, options["method"])
     report = Report("tradeoff", scene.slug(), options)
-    report.warn(common.scene_warnings(options, work_s(options)))
+    report.warn(common.scene_warnings(options))
+    report.warn(common.method_warnings([scene], options["method"]))
+    work = f"{options['replicates']} runs of {len(options['method'])} methods, timed on one core"
+    report.warn(common.long_warnings(options, work_s(options), work))
     settings = settings_from(scene, options)
     if options["surfaces"] and settings.resolution is None:
         report.warn([NO_SURFACES])

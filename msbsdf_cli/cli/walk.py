@@ -23,8 +23,8 @@ def command(**options: Any) -> None:
     scene = common.scene_from(options)
     free_paths = common.free_paths_from(options, options["heights"])
     report = Report("walk", scene.slug(), options)
-    facets = common.pilot(scene)[1]
-    report.warn(common.scene_warnings(options, work_s(scene, options), facets))
+    report.warn(common.scene_warnings(options) + common.facet_warnings(scene))
+    report.warn(common.long_warnings(options, work_s(scene, options), work(scene, options)))
     with report.draft() as draft:
         result = run(scene, free_paths, options)
         lobes = write_run(report, draft, result)
@@ -36,6 +36,14 @@ def work_s(scene: Any, options: dict[str, Any]) -> float:
     from msbsdf_cli.cli.common import pilot
 
     return float(options["samples"] * pilot(scene)[0])
+
+
+def work(scene: Any, options: dict[str, Any]) -> str:
+    """What that time is for."""
+    from msbsdf_cli.cli.common import pilot
+
+    walks = options["samples"] * len(scene.theta)
+    return f"{walks:.2g} walks of {pilot(scene)[1]:.2g} facets in the mean"
 
 
 def run(scene: Any, free_paths: Any, options: dict[str, Any]) -> Any:

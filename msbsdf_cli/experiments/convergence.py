@@ -1,7 +1,8 @@
 """How far a simulated energy depends on the mesh, the period, the waves and the offset of rays.
 
 Cells and offsets are compared on the same fields with the same rays, so that only their own effect
-is left; periods and numbers of waves on independent surfaces of the same total area.
+is left; periods and numbers of waves on independent surfaces. Numbers of waves are varied on small
+surfaces, and so on many: it is each surface's few waves that differ, not its places.
 """
 
 from dataclasses import dataclass
@@ -26,9 +27,10 @@ class Steps:
 
     cells: tuple[float | None, ...] = (4, 8, 16, 32, 48)
     extents: tuple[int, ...] = (8, 16, 32)
+    waves: tuple[int | None, ...] = (30, 100, 300, 1000, None)
     surfaces: int = 32
     """On which cells and offsets are varied; independent surfaces of something else are 4 times
-    more, since nothing of their noise cancels."""
+    more, since nothing of their noise cancels, and more again where they are smaller."""
     hits: bool = False
     """Whether hit points in single precision are tried as well."""
 
@@ -38,8 +40,7 @@ STEPS = Steps()
 
 LIFTS = (1.0, 10.0, 100.0, 1000.0)
 """Offsets of secondary rays, over the one that is used."""
-WAVES = (30, 100, 300, 1000, None)
-EXTENT, CELLS_ELSE = 16, 8
+EXTENT, EXTENT_OF_WAVES, CELLS_ELSE = 16, 4, 8
 """Of the surfaces on which something else is varied."""
 HITS = (32.0, 64.0)
 """Bits of the numbers that place the facets' planes, and so of hit points."""
@@ -69,7 +70,7 @@ def convergence(
     """convergence.csv: energies, and their differences from the last value of each parameter.
 
     `samples` rays for each incident angle and value are spread over `steps.surfaces` surfaces of 16
-    correlation lengths, or the same area of others.
+    correlation lengths, four times as many where values are compared on independent surfaces.
     """
     steps = steps or STEPS
     surfaces = steps.surfaces
@@ -81,17 +82,17 @@ def convergence(
         for parameter, values in paired.items()
         for i in range(surfaces)
     ]
-    for extent in steps.extents:
-        count = 4 * surfaces * EXTENT**2 // extent**2
-        resolution = Resolution(CELLS_ELSE, extent, 0)
+    independent: list[tuple[str, int | None, Resolution]] = [
+        ("extent", e, Resolution(CELLS_ELSE, e, 0)) for e in steps.extents
+    ]
+    independent += [
+        ("waves", w, Resolution(CELLS_ELSE, EXTENT_OF_WAVES, 0, w)) for w in steps.waves
+    ]
+    for parameter, number, resolution in independent:
+        count = _independent(surfaces, resolution.extent)
         part = max(4 * samples // count, 1)
         trials += [
-            Trial(scene, "extent", (extent,), i, resolution, part, seed) for i in range(count)
-        ]
-    for waves in WAVES:
-        resolution = Resolution(CELLS_ELSE, EXTENT, 0, waves)
-        trials += [
-            Trial(scene, "waves", (waves,), i, resolution, rays, seed) for i in range(4 * surfaces)
+            Trial(scene, parameter, (number,), i, resolution, part, seed) for i in range(count)
         ]
     results: dict[tuple[str, float | None], list[Array]] = {}
     with Progress("convergence", len(trials), "surfaces", quiet) as progress:
@@ -100,6 +101,12 @@ def convergence(
                 results.setdefault((trial.parameter, value), []).append(energy)
             progress.advance(1)
     return _table(scene, {key: np.array(list_) for key, list_ in results.items()})
+
+
+def _independent(surfaces: int, extent: int) -> int:
+    """How many independent surfaces: as many as have the same area, or, where that were more, 64
+    for each of the paired ones."""
+    return 4 * surfaces * min(EXTENT**2, 16 * extent**2) // extent**2
 
 
 def _energies(trial: Trial) -> list[Array]:

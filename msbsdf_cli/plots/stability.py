@@ -127,6 +127,8 @@ def _text(value: Any) -> str:
     return f"1{beside:+.0e}" if 0 < abs(beside) < 1e-4 else f"{value:.4g}"
 
 
+BLUE = "#0072b2"
+
 NAMES = {
     "cells": "cells a correlation length",
     "lift": "offset of rays, over that in use",
@@ -145,12 +147,16 @@ def _draw_simulation(rows: list[Any], path: Path) -> None:
         mine = [r for r in rows if r.parameter == parameter]
         x = np.arange(len(mine))
         labels = [r.value if isinstance(r.value, str) else f"{r.value:g}" for r in mine]
-        size = [abs(r.energy_error) for r in mine]
-        error = [r.energy_stderr for r in mine]
+        size = np.array([abs(r.energy_error) for r in mine])
+        error = np.array([r.energy_stderr for r in mine])
         if parameter == "surfaces":
-            axis.plot(x, error, "s-", ms=3, color="#0072b2")
+            axis.plot(x, error, "s-", ms=3, color=BLUE)
         else:
-            axis.errorbar(x, size, error, fmt="o-", ms=3, lw=0.8, color="#0072b2")
+            noisy = (size <= 2 * error) & (error > 0)
+            known = ~noisy & (x < x[-1])
+            axis.errorbar(x[known], size[known], error[known], fmt="o-", ms=3, lw=0.8, color=BLUE)
+            # Noise says no more than that the error is not larger.
+            axis.plot(x[noisy], size[noisy] + 2 * error[noisy], "v", ms=4, mfc="white", color=BLUE)
         automatic = mine[0].note.rsplit(" ", 1)[-1]
         place = _place(automatic, labels)
         axis.axvline(place, color="#d55e00", ls="--", lw=0.9)
@@ -170,7 +176,11 @@ def _draw_simulation(rows: list[Any], path: Path) -> None:
         axis.set_xlabel(NAMES[parameter], labelpad=1)
     for axis in axes[:, 0]:
         axis.set_ylabel("error of an order's energy")
-    figure.text(0.02, 0.98, "dotted: the accuracy that is promised", va="top", fontsize=7)
+    words = (
+        "dotted: the accuracy promised; triangles: no more than this, as two standard errors "
+        "hide what there is;\nthe value furthest to the right is what the others are held against"
+    )
+    figure.text(0.02, 0.98, words, va="top", fontsize=6)
     save(figure, path)
 
 

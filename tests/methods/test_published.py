@@ -94,6 +94,36 @@ def test_slopes_across_of_ggx_end_at_a_fit():
     assert lost == pytest.approx(1.1e-3, rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("alpha", "material", "theta", "off"),
+    [((1, 0.1), GLASS, 1.5, 0.03), ((20, 0.1), Conductor(), 1.0, 0.08)],
+)
+def test_the_fit_narrows_what_leaves_across(alpha, material, theta, off):
+    n, wi, mean, stderr = 120_000, direction(theta), [], []
+    for kind in (Published, Walk):
+        w, _ = kind(Ggx(*alpha), material, 2).sample(wi, n, np.random.default_rng(1))
+        mean.append((w[1] ** 2).mean())
+        stderr.append((w[1] ** 2).std() / np.sqrt(n))
+    noise = np.hypot(*stderr) / mean[1]
+    assert abs(1 - mean[0] / mean[1] - off) < 4 * noise
+    assert off < 0.05 or 1 - mean[0] / mean[1] > 4 * noise
+
+
+def test_a_newton_step_to_the_end_of_its_bracket_passes_for_the_root():
+    """In single precision, for one draw in some millions; here are all of a narrow interval."""
+    low, high = np.array([0.0109, 0.01097], np.float32).view(np.int32)
+    U = np.arange(low, high, dtype=np.int32).view(np.float32)
+    found = []
+    for u in (U, U.astype(float)):
+        theta = np.full(u.size, 1.1363129615783691, u.dtype)
+        found.append(visible_slopes.beckmann_slopes(theta, u, np.full_like(u, 0.3))[0])
+    single, double = found
+    np.testing.assert_allclose(double, double.mean(), rtol=3e-3)
+    wrong = single < -2.7
+    assert 10 < wrong.sum() < 1e-2 * U.size
+    np.testing.assert_allclose(single[~wrong], double[~wrong], atol=1e-3)
+
+
 def test_the_search_for_beckmann_slopes_cuts_their_tail():
     rng = np.random.default_rng(0)
     theta = np.full(400_000, 1.4)

@@ -10,10 +10,11 @@ from surfaces.materials import Conductor, Dielectric
 
 MEASURED = [
     (Conductor(), (0.05, 0.05), 0.066e9),
-    (Conductor(), (0.02, 0.02), 0.30e9),
+    (Conductor(), (0.02, 0.02), 0.25e9),
     (Conductor(), (1, 0.1), 0.33e9),
-    (Dielectric(), (0.1, 0.1), 0.26e9),
-    (Dielectric(), (0.05, 0.05), 0.92e9),
+    (Dielectric(), (0.1, 0.1), 0.112e9),
+    (Dielectric(), (0.05, 0.05), 0.34e9),
+    (Dielectric(), (0.02, 0.02), 1.96e9),
     (Dielectric(), (1, 0.05), 1.47e9),
 ]
 """Peak memory of one evaluation."""

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.smith.slopes import distribution
+from msbsdf_cli.methods.solver.dielectric import DielectricSolution
+from msbsdf_cli.methods.solver.nodes import cosine_integrals
+from msbsdf_cli.smith.slopes import Beckmann, distribution
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
@@ -278,12 +280,37 @@ def test_few_modes_stand_for_all(slopes, monkeypatch):
     few = Solve(distribution(slopes)(0.15, 0.15), Conductor(), 2).fine
     found, _ = few.evaluate(wi, wo)
     assert few._directional[1].kernel.down.shape[1] < 120
-    monkeypatch.setattr("msbsdf_cli.methods.solver.nodes.DENSE", 10**6)
+    monkeypatch.setattr("msbsdf_cli.methods.solver.isotropic.DENSE", 10**6)
     every = Solve(distribution(slopes)(0.15, 0.15), Conductor(), 2).fine
     expected, _ = every.evaluate(wi, wo)
     assert every._directional[1].kernel.down.shape[1] == 307
     # Of the largest value of each order; 3e-7 was found over roughness .05 to 1.
     np.testing.assert_allclose(found, expected, atol=1e-6 * expected.max())
+
+
+def test_few_modes_stand_for_all_of_glass(monkeypatch):
+    wi, wo = direction(1.0), np.array([direction(0.9, 3.0), direction(2.4), direction(1.3)]).T
+    arguments = Beckmann(0.15, 0.15), Dielectric(1.5), 2, 1.0
+    found, _ = DielectricSolution(*arguments).evaluate(wi, wo)
+    monkeypatch.setattr("msbsdf_cli.methods.solver.interpolation.DENSE_WITH_EDGES", 10**6)
+    expected, _ = DielectricSolution(*arguments).evaluate(wi, wo)
+    assert not np.array_equal(found, expected)
+    # Total reflection leaves a little: 1.5e-5 of the largest was found at roughness .1.
+    np.testing.assert_allclose(found, expected, atol=3e-5 * expected.max())
+
+
+@pytest.mark.parametrize("width", [1e-3, 0.02, 0.3])
+def test_integrals_over_azimuth_are_those_of_gaussians_and_poles(width):
+    m = np.array([0, 1, 10, 200, 4000])
+    phi, factors = cosine_integrals(m)
+    gaussian = np.exp(-((phi / width) ** 2)) @ factors
+    exact = width * np.sqrt(np.pi) / 2 * np.exp(-((m * width) ** 2) / 4)
+    # Twelve nodes for each doubling of the azimuth: 4e-9 of the integral was found.
+    np.testing.assert_allclose(gaussian, exact, atol=2e-8 * exact[0])
+    # A Poisson kernel, whose modes are r^m, is peaked like a pole at distance -ln r.
+    r = np.exp(-width)
+    poisson = (1 - r * r) / ((1 - r) ** 2 + 4 * r * np.sin(phi / 2) ** 2)
+    np.testing.assert_allclose(poisson @ factors, np.pi * r**m, atol=1e-8)
 
 
 @pytest.mark.parametrize("theta", [1.570796, np.nextafter(np.pi / 2, 0)])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.smith.slopes import Beckmann, Ggx, Slopes
+from msbsdf_cli.smith.slopes import Beckmann, Ggx, Slopes, StudentT
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 
 ORDERS = 3
@@ -55,13 +55,14 @@ class Sweep:
     materials: tuple[str, ...] = ("conductor", "diffuse", "dielectric")
     thetas: tuple[float, ...] = (THETA,)
     thetas_of_draft: tuple[float, ...] = (THETA,)
+    slopes: tuple[type[Slopes], ...] = (Beckmann, Ggx)
 
     def points(self, full: bool) -> Iterator[Point]:
         """All points, or those of a draft: mirrors with GGX slopes, glass and diffuse facets with
         Beckmann's, of which one angle has to do, as they cost quadratures."""
         values, thetas = (self.values, self.thetas) if full else (self.draft, self.thetas_of_draft)
         for material in self.materials:
-            for slopes in (Beckmann, Ggx) if full else (DRAFTED[material],):
+            for slopes in self.slopes if full else (DRAFTED[material],):
                 for theta in thetas if full or material != "diffuse" else thetas[:1]:
                     base = Scene(MATERIALS[material], slopes(ALPHA, ALPHA), (theta,), 0.3, ORDERS)
                     for value in values:
@@ -97,6 +98,11 @@ def _ior(scene: Scene, ior: float) -> Scene:
     return replace(scene, material=Dielectric(ior))
 
 
+def _gamma(scene: Scene, gamma: float) -> Scene:
+    """Student's slopes, whose tails grow as gamma falls to 3/2."""
+    return replace(scene, slopes=StudentT(ALPHA, ALPHA, gamma))
+
+
 def _absorption(scene: Scene, absorbed: float) -> Scene:
     """Diffuse facets of that absorptance, or mirrors that at normal incidence have it: of the
     index 1 + i k, whose absorptance there is 4 / (4 + k^2)."""
@@ -118,23 +124,23 @@ SWEEPS = (
         "roughness",
         (1e-4, 1e-3, 0.01, 0.05, 0.1, 0.3, 1.0, 5.0, 20.0, 100.0),
         _roughness,
-        (1e-4, 1e-3, 0.1, 0.5, 20.0, 100.0),
+        (1e-4, 1e-3, 0.1, 20.0, 100.0),
         thetas=(0.0, THETA, 1.5, 1.57, 1.5707, HORIZON),
         thetas_of_draft=(THETA, 1.5707),
     ),
-    Sweep("anisotropy", (1.0, 10.0, 100.0, 1000.0), _anisotropy, (10.0, 1000.0)),
+    Sweep("anisotropy", (1.0, 10.0, 100.0, 1000.0), _anisotropy, (1000.0,)),
     Sweep(
         "theta",
         (0.0, 1e-8, 1e-4, 0.01, 0.5, 1.4, 1.57, 1.5707, 1.570796, HORIZON),
         _theta,
-        (0.0, 1e-8, HORIZON),
+        (1e-8, HORIZON),
     ),
     Sweep("phi", (0.0, 1e-8, 0.7, math.pi / 2, 3.0, math.pi, -1e-8), _phi, ()),
     Sweep(
         "ior",
         (1 / 3, 1 / 1.5, 0.9, 1 - 1e-6, 1 + 1e-6, 1.01, 1.33, 2.4, 4.0),
         _ior,
-        (1 / 3, 1 / 1.5, 1 - 1e-6, 1 + 1e-6, 4.0),
+        (1 / 3, 1 + 1e-6, 4.0),
         ("dielectric",),
         (THETA, 1.57),
         (THETA,),
@@ -143,9 +149,10 @@ SWEEPS = (
         "absorption",
         (1e-5, 1e-3, 0.1, 0.5, 1.0),
         _absorption,
-        (1e-5, 0.5, 1.0),
+        (1e-5, 1.0),
         ("conductor", "diffuse"),
     ),
+    Sweep("gamma", (1.500001, 1.6, 2.0, 10.0, 1e6), _gamma, (), slopes=(StudentT,)),
     Sweep(UNIFORM, ("0", "near 1", "both"), _same, ("both",)),
     Sweep("outgoing", ("zenith", "horizon", "around the horizon"), _two, ("around the horizon",)),
 )

@@ -15,6 +15,7 @@ from msbsdf_cli.experiments.stability.truth import Truth
 from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.single import Single, first_order
+from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
@@ -71,6 +72,8 @@ class Figures:
     one_way_z: float = 0.0
     uncovered: int = 0
     """Outgoing directions in which two independent values differ by more than their errors say."""
+    covered_by: str = ""
+    """What they were held against."""
     tail_index: float = float("nan")
     """Of what walks add to a value, from the second order on: below 2 the variance has no
     bound."""
@@ -148,10 +151,14 @@ def _energies(
         # A method that knows its energies without adding up values is asked.
         figures.energy, figures.stderr = (a.mean(axis=0) for a in known)
         _count(figures, *known)
-        wo: Array = directions(truth, 0, seed, DIRECTIONS_SOLVED)[0].astype(dtype)
-        started = time.perf_counter()
-        values = method.evaluate(wi.astype(dtype), wo, walks, rng())
-        figures.seconds = time.perf_counter() - started
+        wo = directions(truth, 0, seed, DIRECTIONS_SOLVED)[0]
+        solved = truth.values(wo) if method.name == Solve.name else None
+        if solved is not None:
+            values, figures.seconds = solved
+        else:
+            started = time.perf_counter()
+            values = method.evaluate(wi.astype(dtype), wo.astype(dtype), walks, rng())
+            figures.seconds = time.perf_counter() - started
         _count(figures, values.value, values.stderr)
         return
     correlated = method.traits.correlated
@@ -288,16 +295,25 @@ def _exchanged(figures: Figures, method: Method, truth: Truth, dtype: type, rng:
 def _covered(
     figures: Figures, method: Method, truth: Truth, dtype: type, rng: Any, seed: int
 ) -> None:
-    """Two values of all orders in the same directions, each with the error that it states."""
-    wo: Array = directions(truth, 0, seed)[0].astype(dtype)
+    """Values against the truth, direction by direction, in units of the error that they state:
+    against `solve` where it may be asked, else against a second, independent value."""
+    wo = directions(truth, 0, seed, DIRECTIONS_SOLVED)[0]
     wi: Array = truth.wi.astype(dtype)
-    (one, error), (other, other_error) = (
-        _summed(method, wi, wo, figures.walks, rng) for _ in range(2)
-    )
-    # Errors of orders add up, as the same walks make them; rounding is that of the largest value.
-    rounding = np.finfo(dtype).eps * np.abs(one).max()
+    solved = truth.affordable_values(wo) if method.traits.model in ("smith", "published") else None
+    rounded: Array = wo.astype(dtype)
+    one, error = _summed(method, wi, rounded, figures.walks, rng)
+    if solved is not None:
+        other, other_error = solved.value[0].sum(axis=0), solved.stderr[0].sum(axis=0)
+    else:
+        other, other_error = _summed(method, wi, rounded, figures.walks, rng)
+    # Errors of orders add up, as the same walks make them; rounding is that of the largest value or
+    # of 1, and where directions are rounded lobes move by as much.
+    scene = truth.point.scene
+    narrow = max(1.0, 1 / min(scene.alpha))
+    rounding = np.finfo(dtype).eps * max(np.abs(one).max(), 1.0) * narrow
     apart = np.abs(one - other) - rounding
     figures.uncovered = int((apart > FAR * np.hypot(error, other_error)).sum())
+    figures.covered_by = "solve" if solved is not None else "a second value"
 
 
 def _tail(figures: Figures, method: Method, truth: Truth, dtype: type, rng: Any) -> None:

@@ -4,7 +4,7 @@ automatic choice lies."""
 import math
 from collections.abc import Iterable, Iterator
 
-from msbsdf_cli.experiments.convergence import EXTENT, HITS, LIFTS, WAVES, Steps, convergence
+from msbsdf_cli.experiments.convergence import EXTENT, HITS, LIFTS, Steps, convergence
 from msbsdf_cli.experiments.resolution import plan
 from msbsdf_cli.experiments.stability import verdicts
 from msbsdf_cli.experiments.stability.study import Row
@@ -17,8 +17,9 @@ from surfaces.materials import Conductor
 METHOD = "surfaces"
 SCENE = Scene(Conductor(), Beckmann(1.0, 1.0), (1.0,), 0.0, 3)
 RAYS, RAYS_OF_DRAFT = 2_000_000, 100_000
-DRAFT = Steps(cells=(4, 8, 16), extents=(8, 16), surfaces=6, hits=True)
-FULL = Steps(hits=True)
+WAVES = (1, 2, 4, 10, 30, 100, None)
+DRAFT = Steps((4, 8, 16), (2, 4, 16), (1, 4, 10, None), surfaces=6, hits=True)
+FULL = Steps((2, 4, 8, 16, 32, 48), (1, 2, 4, 8, 16, 32), WAVES, hits=True)
 
 ACCURACY = 2e-3
 """Error of an order's energy that `simulate` promises when it is told nothing else."""
@@ -35,7 +36,7 @@ def cells(full: bool) -> list[str]:
         "lift": LIFTS,
         "hits": HITS,
         "extent": steps.extents,
-        "waves": WAVES,
+        "waves": steps.waves,
         "surfaces": NUMBERS,
     }
     return [_name(p, "all" if v is None else float(v)) for p, some in values.items() for v in some]
@@ -96,6 +97,9 @@ def _spread(table: Table, steps: Steps) -> float:
 
 
 def _row(parameter: str, value: float | str, error: float, stderr: float, automatic: str) -> Row:
+    if error == stderr == 0:
+        note = f"what the others are held against; the automatic choice is {automatic}"
+        return _of(parameter, value, verdicts.WORKS, error, stderr, note)
     significant = abs(error) > 2 * stderr
     verdict = verdicts.WORKS
     if significant and abs(error) > ACCURACY:

@@ -10,7 +10,7 @@ import numpy as np
 from msbsdf_cli.experiments.stability import verdicts
 from msbsdf_cli.experiments.stability.points import ALPHA, ORDERS, THETA, UNIFORM, Point
 from msbsdf_cli.experiments.stability.probes import Figures, measure, seconds
-from msbsdf_cli.experiments.stability.truth import MOST_FACETS, Truth
+from msbsdf_cli.experiments.stability.truth import LONG_WALKS, MANY_LONGER, MOST_FACETS, Truth
 from msbsdf_cli.methods.protocol import Method, UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
@@ -154,7 +154,7 @@ def _measured(
     measured, if anything was; `known` is taken for it where it is there."""
     dtype = PRECISIONS[precision if method.traits.samples else "float64"]
     mean = truth.bounces
-    if not method.deterministic and (truth.longer > 0 or mean > verdicts.LONG_WALKS):
+    if not method.deterministic and (mean > LONG_WALKS or truth.longer > MANY_LONGER):
         longer = f", {truth.longer:.1%} of them more than {MOST_FACETS}" if truth.longer else ""
         note = f"walks hit {mean:.0f} facets{longer}; not measured"
         row = _row(job, precision, method.name, verdicts.DEGRADED, note, bounces_mean=mean)

@@ -6,16 +6,17 @@ nothing absorbs. The orders in between are those of `solve` where its own error 
 for `solve` itself those of long walks.
 """
 
+import time
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from msbsdf_cli.experiments.stability.points import Point
-from msbsdf_cli.methods.protocol import UnsupportedError
+from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.methods.solver.first_order import first_order_energy
-from msbsdf_cli.methods.solver.size import energy_seconds
+from msbsdf_cli.methods.solver.size import energy_seconds, value_seconds
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
@@ -27,8 +28,20 @@ PANELS = (20, 30)
 DIFFUSE_ERROR = 1e-3
 """Of the first order of diffuse facets, a product rule of 12 by 24 directions, up to grazing."""
 
-AFFORDABLE_S = 3.0
-"""Seconds up to which a cell is worth a solution of its own."""
+LONG_WALKS = 50
+"""Facets in the mean from which walks are out of hand: a hundred times those of ordinary
+surfaces."""
+
+MANY_LONGER = 1e-3
+"""Share of walks of more than `MOST_FACETS` from which they are too: the longest take most of the
+time."""
+
+PILOT, FAR_FACETS = 4096, 4000
+"""Walks that tell how many facets they hit, and how far those are followed of which some hit more
+than `MOST_FACETS`."""
+
+AFFORDABLE_S, VALUES_AFFORDABLE_S = 3.0, 1.9
+"""Seconds up to which a cell is worth a solution of its own, for energies and for values."""
 
 WALKS, MOST_FACETS = 20_000, 200
 """Walks that a cell's truth is made of, and the facets after which they count as unresolved."""
@@ -81,11 +94,54 @@ class Truth:
         if energy_seconds(scene.slopes, scene.material) > AFFORDABLE_S:
             return None
         try:
-            energy = Solve(scene.slopes, scene.material, scene.orders).energy(self.wi)
-        except (UnsupportedError, ArithmeticError):
+            energy = None if self.solver is None else self.solver.energy(self.wi)
+        except ArithmeticError:
+            energy = None
+        if energy is None:
             return None
         value = (energy.reflected + energy.transmitted)[0]
         return Energies(value, energy.error[0], "solve")
+
+    @cached_property
+    def solver(self) -> Solve | None:
+        """`solve` for the scene, where it may be asked."""
+        scene = self.point.scene
+        try:
+            Solve.check_supported(scene.slopes, scene.material)
+        except UnsupportedError:
+            return None
+        return Solve(scene.slopes, scene.material, scene.orders)
+
+    def values(self, wo: Array) -> tuple[Evaluation, float] | None:
+        """All orders by `solve` in directions `wo` (3, n), and the seconds it took; asked again for
+        the same directions it remembers. Raises ArithmeticError where it comes to no end."""
+        key = wo.tobytes()
+        if key not in self._known and self.solver is not None:
+            started = time.perf_counter()
+            try:
+                found = self.solver.evaluate(self.wi, wo)
+                self._known[key] = found, time.perf_counter() - started
+            except ArithmeticError as failure:
+                self._known[key] = failure
+        known = self._known.get(key)
+        if isinstance(known, ArithmeticError):
+            raise known
+        return known
+
+    def affordable_values(self, wo: Array) -> Evaluation | None:
+        """Those values where they take no more than some seconds and come to an end."""
+        scene = self.point.scene
+        if value_seconds(scene.slopes, scene.material) > VALUES_AFFORDABLE_S:
+            return None
+        try:
+            found = self.values(wo)
+        except ArithmeticError:
+            return None
+        return None if found is None else found[0]
+
+    @cached_property
+    def _known(self) -> dict[bytes, tuple[Evaluation, float] | ArithmeticError]:
+        return {}
 
     @cached_property
     def walked(self) -> Energies:
@@ -114,7 +170,8 @@ class Truth:
 
     @property
     def bounces(self) -> float:
-        """Facets that a walk hits in the mean, as far as it is followed."""
+        """Facets that a walk hits in the mean, or at least, where that is more than
+        `LONG_WALKS`."""
         return self._pilot[0]
 
     @property
@@ -126,12 +183,15 @@ class Truth:
     def _pilot(self) -> tuple[float, float]:
         scene = self.point.scene
         rng = stream(self.seed, "stability pilot", *self.point.place)
-        walks = random_walk(scene.slopes, scene.material, self.wi, PILOT, rng, MOST_FACETS)
-        facets, longer = 0, 0
-        for light in walks:
-            facets += light.order * light.w.shape[1]
-            longer += 0 if light.resolved else light.w.shape[1]
-        return facets / PILOT, longer / PILOT
-
-
-PILOT = 4096
+        facets, left, longer, bound = 0, PILOT, 0, 0
+        for light in random_walk(scene.slopes, scene.material, self.wi, PILOT, rng, FAR_FACETS):
+            number = light.w.shape[1]
+            facets += light.order * number
+            left -= number
+            longer += number if light.order > MOST_FACETS else 0
+            # Those still under way have met as many facets at least.
+            bound = facets + left * light.order
+            if light.order > MOST_FACETS and bound > PILOT * LONG_WALKS:
+                longer += left
+                break
+        return bound / PILOT, longer / PILOT

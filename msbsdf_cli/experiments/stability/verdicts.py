@@ -6,7 +6,7 @@ import numpy as np
 from scipy import stats
 
 from msbsdf_cli.experiments.stability.points import UNIFORM
-from msbsdf_cli.experiments.stability.probes import DIRECTIONS, REPEATS, Figures
+from msbsdf_cli.experiments.stability.probes import DIRECTIONS, DIRECTIONS_SOLVED, REPEATS, Figures
 from msbsdf_cli.experiments.stability.truth import Truth
 from msbsdf_cli.methods.traits import Traits
 from surfaces.facet import Array
@@ -36,12 +36,8 @@ order, which is known in closed form, and samples remain."""
 
 ONLY_FIRST = "judged by its first order and its samples: later lobes are too narrow to be found"
 
-FEW = 2
+FEW = 1
 """Directions in which values may lie apart by chance, as their errors are estimates as well."""
-
-LONG_WALKS = 50
-"""Facets in the mean from which walks are out of hand: a hundred times those of ordinary
-surfaces."""
 
 SLOW = 30
 """Times the seconds of the same method at ordinary roughness."""
@@ -81,7 +77,11 @@ def judge(
         reasons.append((grade, f"not reciprocal, by {figures.one_way:.0%} of a value"))
     if figures.uncovered > FEW:
         reasons.append(
-            (DEGRADED, f"stated errors are too small in {figures.uncovered} of {DIRECTIONS}")
+            (
+                DEGRADED,
+                f"stated errors do not cover {figures.covered_by} in {figures.uncovered} of "
+                f"{DIRECTIONS_SOLVED} directions",
+            )
         )
     if figures.tail_index + 3 * figures.tail_stderr < 2:
         index = f"{figures.tail_index:.1f} +- {figures.tail_stderr:.1f}"

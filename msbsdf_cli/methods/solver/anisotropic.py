@@ -34,6 +34,9 @@ MIRRORS = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]])
 FACETS = 4
 """Facets for each node of the directions, along either angle."""
 
+SAME_AZIMUTH = 13
+"""Decimals to which azimuths of nodes that share one agree in spite of rounding."""
+
 FINER = 2
 """Elevations on either side of the light's own, for each node, that order 1 is integrated over:
 right to 1e-8 with them, up to theta 1.57 at roughness 0.1,1."""
@@ -103,10 +106,14 @@ class MirrorGrid(QuarterGrid, Discretisation):
 
     def kernel(self) -> Kernel:
         """Scattering between the nodes."""
-        rows = self.rows(self.nodes)
+        # One azimuth after the other, and back into the nodes' order.
+        order = np.arange(self.nodes.shape[1]).reshape(-1, self.quarter).T.ravel()
+        back = np.argsort(order)
+        rows = self.rows(self.nodes[:, order])
+        down, across = rows.down[:, :, back], rows.across[:, :, back]
         # Projected on the grid's waves in the azimuth after the facet only: restore reciprocity.
-        across = (rows.across + np.swapaxes(rows.across, -1, -2)) / 2
-        return Kernel(self.nodes[2], rows.sigma, self.weight, rows.down, across, None)
+        across = (across + np.swapaxes(across, -1, -2)) / 2
+        return Kernel(self.nodes[2], rows.sigma[back], self.weight, down, across, None)
 
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
@@ -152,7 +159,7 @@ class MirrorGrid(QuarterGrid, Discretisation):
         q = self.material.density(self.slopes, v, w)
         # (channels, elevations, blocks, quarter)
         q = np.tensordot(
-            q.reshape(-1, sin.size, phi.size), self._fold(phi) * weight[:, None, None], 1
+            q.reshape(-1, sin.size, phi.size), self._fold(d) * weight[:, None, None], 1
         )
         down, across = q[:, : self.elevations.n], q[:, self.elevations.n :]
         interpolation = self.elevations.interpolation(angle.x[0]) * angle.weight[0][:, None]
@@ -161,7 +168,22 @@ class MirrorGrid(QuarterGrid, Discretisation):
         shape = (*down.shape[:2], -1)
         return down.reshape(shape), across.reshape(shape)
 
-    def _fold(self, phi: Array) -> Array:
+    @cached_property
+    def _folds(self) -> dict[float, Array]:
+        return {}
+
+    def _fold(self, d: Array) -> Array:
+        """`_interpolant` to the azimuths around a direction (3,), once for all nodes that share
+        that of the direction."""
+        phi, _ = self._around(d)
+        known = self._folds.get(float(np.round(phi[0], SAME_AZIMUTH)))
+        if known is None:
+            self._folds.clear()
+            known = self._interpolant(phi)
+            self._folds[float(np.round(phi[0], SAME_AZIMUTH))] = known
+        return known
+
+    def _interpolant(self, phi: Array) -> Array:
         """Factors (p, blocks, quarter) from a function of each parity at the nodes' azimuths to
         azimuths (p,): the trigonometric interpolant of 4 quarter points."""
         n = 4 * self.quarter

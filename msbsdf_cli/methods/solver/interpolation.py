@@ -11,9 +11,12 @@ import numpy as np
 
 from msbsdf_cli.methods.solver.anisotropic import QuarterGrid
 from msbsdf_cli.methods.solver.isotropic import distinct_elevations, parting, upward
-from msbsdf_cli.methods.solver.nodes import SplitElevations, coordinate
+from msbsdf_cli.methods.solver.nodes import SplitElevations, coordinate, sparse_modes
 from msbsdf_cli.methods.solver.slope_quadrature import Light
 from surfaces.facet import Array
+
+DENSE_WITH_EDGES = 32
+"""As `nodes.DENSE`, where total reflection begins at some azimuths, which makes modes swing."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +24,7 @@ class InterpolatedModes:
     """One roughness: modes of the azimuth from the light's own."""
 
     elevations: SplitElevations
-    blocks: int
+    modes: int
     half = True
 
     @cached_property
@@ -39,12 +42,22 @@ class InterpolatedModes:
         return np.array([np.hypot(ends[0], ends[1]), 0 * ends[0], ends[2]]), which
 
     def parting(self, a: Array, b: Array) -> Array:
-        return parting(a, b, self.blocks)
+        return self._numbers[1].T @ parting(a, b, self.modes)
+
+    @cached_property
+    def _numbers(self) -> tuple[Array, Array]:
+        return sparse_modes(self.modes, DENSE_WITH_EDGES)
 
     def spread(self, light: Light) -> Array:
         """Light (blocks, 2 n) at the nodes: downward ones, then upward ones."""
-        modes = _spread(self.elevations, light, _waves(_turns(light.w), self.blocks).real)
-        return np.moveaxis(modes, -1, 0).reshape(self.blocks, -1)
+        numbers = self._numbers[0]
+        out = np.empty((numbers.size, 2, self.elevations.n))
+        for side, down in enumerate((True, False)):
+            lanes = np.flatnonzero((light.w[2] < 0) == down)
+            w, amount = light.w[:, lanes], light.amount[lanes]
+            share = _shares(self.elevations, w, amount)
+            out[:, side] = _cosines(_turns(w).real, numbers) @ share
+        return out.reshape(numbers.size, -1)
 
 
 @dataclass(frozen=True)
@@ -106,10 +119,28 @@ def _waves(turns: Array, n: int) -> Array:
     return powers
 
 
+def _cosines(cos: Array, numbers: Array) -> Array:
+    """cos(m phi), (k, lanes), for cos(phi) (lanes,) and increasing m from 0 on, `numbers` (k,)."""
+    waves = np.empty((numbers.size, cos.size))
+    before, now, double = cos, np.ones_like(cos), 2 * cos
+    row = 0
+    for m in range(numbers[-1] + 1):
+        if numbers[row] == m:
+            waves[row] = now
+            row += 1
+        before, now = now, double * now - before
+    return waves
+
+
+def _shares(elevations: SplitElevations, w: Array, amount: Array) -> Array:
+    """What of each direction's (3, lanes) amount falls to each elevation, (lanes, n)."""
+    share = elevations.interpolation(coordinate(np.hypot(w[0], w[1]), np.abs(w[2])))
+    share *= amount[:, None]
+    return share
+
+
 def _spread(elevations: SplitElevations, light: Light, waves: Array) -> Array:
     """Light times waves (lanes, k), at the nodes' elevations (2, n, k), down and up."""
-    w = light.w
-    share = elevations.interpolation(coordinate(np.hypot(w[0], w[1]), np.abs(w[2])))
-    share *= light.amount[:, None]
-    sides = (np.flatnonzero(side) for side in (w[2] < 0, w[2] >= 0))
+    share = _shares(elevations, light.w, light.amount)
+    sides = (np.flatnonzero(side) for side in (light.w[2] < 0, light.w[2] >= 0))
     return np.stack([share[lanes].T @ waves[lanes] for lanes in sides])

@@ -10,7 +10,15 @@ from functools import cached_property
 
 import numpy as np
 
-from msbsdf_cli.methods.solver.nodes import Angles, Elevations, azimuths, coordinate, sparse_modes
+from msbsdf_cli.methods.solver.nodes import (
+    DENSE,
+    Angles,
+    Elevations,
+    azimuths,
+    coordinate,
+    cosine_integrals,
+    sparse_modes,
+)
 from msbsdf_cli.methods.solver.normalisation import KernelScale, balance
 from msbsdf_cli.methods.solver.orders import Discretisation, Kernel, Rows
 from msbsdf_cli.smith.slopes import Slopes
@@ -69,7 +77,7 @@ class MirrorModes(Discretisation):
 
     @cached_property
     def _numbers(self) -> tuple[Array, Array]:
-        return sparse_modes(self.modes)
+        return sparse_modes(self.modes, DENSE)
 
     def rows(self, d: Array) -> Rows:
         """Scattering from directions (3, rows) to the nodes; the sign of z is of no account."""
@@ -83,9 +91,11 @@ class MirrorModes(Discretisation):
     @cached_property
     def _azimuths(self) -> tuple[Array, Array]:
         """Azimuths (p,), and factors (p, k) for the chosen modes of an even function there."""
-        phi, weight = azimuths(self.modes)
-        cosines = np.cos(np.multiply.outer(phi, self._numbers[0]))
-        return phi, 2 * weight[:, None] * cosines
+        if self.modes == 1:
+            phi, weight = azimuths(self.modes)
+            return phi, 2 * weight[:, None]
+        phi, integrals = cosine_integrals(self._numbers[0])
+        return phi, 2 * integrals
 
     def _rows(self, d: Array) -> tuple[Array, Array]:
         """Matrices (channels, k, rows, nodes): to downward and to upward directions."""

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
+from scipy.special import eval_legendre, spherical_jn
 
 from surfaces.facet import Array
 from surfaces.quadrature import gauss
@@ -27,6 +28,11 @@ values of mirrors of roughness .05 to 1 differ by at most 3e-7 of the largest fr
 
 PEAK = 96
 """Azimuths for the kernel itself, beside those that its modes need."""
+
+NARROWEST = 2.0**-20
+"""Azimuths below which, in parts of half the circle, kernels do not change any more."""
+PANEL = 12
+"""Gauss nodes in azimuth for each doubling of it."""
 
 
 @dataclass(frozen=True)
@@ -200,7 +206,28 @@ def azimuths(modes: int) -> tuple[Array, Array]:
     return phi, np.pi * AZIMUTH_CROWDING * x ** (AZIMUTH_CROWDING - 1) * weight
 
 
-def sparse_modes(modes: int) -> tuple[Array, Array]:
+def cosine_integrals(modes: Array) -> tuple[Array, Array]:
+    """Azimuths (p,) on (0, pi) and factors (p, k): the integrals of cos(m phi) for the mode numbers
+    `modes` (k,), against a kernel that is peaked at 0 on any scale.
+
+    How many azimuths depends on the kernel alone, and not on how fast the cosine oscillates: on
+    panels that double in width from 0 on, the kernel is taken for a polynomial, and the integrals
+    of its Legendre parts times the cosine are spherical Bessel functions (Filon's method).
+    """
+    ends = np.pi * np.append(0, 2.0 ** np.arange(np.log2(NARROWEST), 1))
+    centre, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
+    x, weight = gauss(PANEL)
+    t = 2 * x - 1
+    phi = centre[:, None] + half[:, None] * t
+    degree = np.arange(PANEL)
+    expansion = (2 * degree + 1) * eval_legendre(degree, t[:, None]) * weight[:, None]
+    bessel = spherical_jn(degree[:, None], np.multiply.outer(half, modes)[:, None])
+    turned = np.exp(1j * np.multiply.outer(centre, modes))[:, None] * 1j ** degree[:, None]
+    factors = 2 * half[:, None, None] * (expansion @ (turned.real * bessel))
+    return phi.ravel(), factors.reshape(phi.size, -1)
+
+
+def sparse_modes(modes: int, dense: int) -> tuple[Array, Array]:
     """Numbers (k,) of the modes that stand for all of them, and the matrix (modes, k) of values
     between these.
 
@@ -211,7 +238,7 @@ def sparse_modes(modes: int) -> tuple[Array, Array]:
     """
     numbers = [0]
     while numbers[-1] < modes - 1:
-        numbers.append(min(numbers[-1] + max(numbers[-1] // DENSE, 1), modes - 1))
+        numbers.append(min(numbers[-1] + max(numbers[-1] // dense, 1), modes - 1))
     if len(numbers) == modes:
         return np.array(numbers), np.eye(modes)
     spline = make_interp_spline(numbers, np.eye(len(numbers)), 5)

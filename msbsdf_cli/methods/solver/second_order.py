@@ -27,6 +27,20 @@ the third, and quadrature converges accordingly."""
 
 
 @dataclass(frozen=True)
+class Interpolation:
+    """From values at the nodes (2 n,), downward and upward ones, to directions (lanes,)."""
+
+    matrix: Array
+    """From the nodes of either hemisphere (lanes, n)."""
+    down: Array
+    """Which directions lead downward (lanes,)."""
+
+    def __call__(self, values: Array) -> Array:
+        below, above = (self.matrix @ half for half in np.split(values, 2))
+        return np.where(self.down, below, above)
+
+
+@dataclass(frozen=True)
 class Between:
     """Directions of travel (3, lanes) between the facets, on one side, chosen by the first."""
 
@@ -35,8 +49,8 @@ class Between:
     """q times the area that lanes stand for, over |cos| (1 + extinction)."""
     mis_weight: Array
     """That of the first facet."""
-    interpolation: Array
-    """From values at the nodes (lanes, 2 n)."""
+    interpolation: "Interpolation"
+    """From values at the nodes."""
 
 
 @dataclass(frozen=True)
@@ -112,8 +126,8 @@ class SecondOrder:
             second = _Facet(self.slopes, eta, event)
             heights = probability if event == 0 else probability[::-1] / eta**2
             passing, v = arrival.heights[before] @ heights, -last.w
-            from_end = last.amount * (self._interpolation(v) @ passing) / self._divisor(v)
-            from_start = near.amount * (near.interpolation @ passing)
+            from_end = last.amount * self._interpolation(v)(passing) / self._divisor(v)
+            from_start = near.amount * near.interpolation(passing)
             _, mis_weight_2 = second.q(-end[:, None], last.w)
             for i in range(w.shape[1]):
                 q_1, mis_weight_1 = first.q(turned[:, i : i + 1], v)
@@ -133,14 +147,11 @@ class SecondOrder:
         paths: Array = np.concatenate([self.heights.sink(L), self.heights.rise(Lambda)])
         return paths * (1 + extinction)
 
-    def _interpolation(self, v: Array) -> Array:
-        """From values at the nodes to directions, (lanes, 2 n): along the x-axis some direction
-        has the same extinction."""
+    def _interpolation(self, v: Array) -> Interpolation:
+        """To directions (3, lanes): along the x-axis some direction has the same extinction."""
         a_x, a_y = self.slopes.alpha_x, self.slopes.alpha_y
         x = coordinate(np.hypot(a_x * v[0], a_y * v[1]), a_x * np.abs(v[2]))
-        matrix = self.elevations.interpolation(x)
-        down = (v[2] < 0)[:, None]
-        return np.concatenate([np.where(down, matrix, 0), np.where(down, 0, matrix)], axis=1)
+        return Interpolation(self.elevations.interpolation(x), v[2] < 0)
 
     def _divisor(self, v: Array) -> Array:
         """|cos| (1 + extinction), (lanes,)."""

@@ -2,31 +2,35 @@
 
 import numpy as np
 
+from msbsdf_cli.methods.solver.interpolation import DENSE_WITH_EDGES
 from msbsdf_cli.methods.solver.nodes import DENSE
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.materials import Material
 
 COPIES, COPIES_OF_INTERFACES = 20, 50
-"""Memory over that of one kernel between all nodes. Measured: 20 for a mirror of roughness 0.02, 13
-of 1,0.1; for glass 53 of roughness 0.1, 36 of 0.05, of 1,0.1 and of 1,0.05."""
+"""Memory over that of one kernel between all nodes. Measured: 17 for a mirror of roughness 0.02, 13
+of 0.01 and of 1,0.1; for glass 41 of roughness 0.05, 38 of 0.02, 36 of 1,0.1 and of 1,0.05."""
 
 
-EVALUATION_S = 5e-8
-"""Seconds for the kernel of a mirror between two directions, all that is done with it included."""
+EVALUATION_S, PRODUCT_S = 5e-5, 3.5e-9
+"""Seconds for all azimuths of the kernel of a mirror between two elevations, and for each product
+of two elevations and a third in one mode, of all orders."""
 
 
-def chosen_modes(alpha: float) -> float:
-    """About how many modes of a mirror are computed, see `nodes.sparse_modes`."""
-    return float(DENSE * (1 + np.log((40 + 40 / alpha) / DENSE)))
+def chosen_modes(modes: float, dense: int) -> float:
+    """About how many of the modes are computed, see `nodes.sparse_modes`."""
+    return float(min(modes, dense * (1 + np.log(max(modes / dense, 1)))))
 
 
 def needed_bytes(slopes: Slopes, material: Material) -> float:
     """About how many bytes directional values take, at resolution 1."""
     alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
     if material.transmits:
-        elevations, modes, copies = 16 + 4 / alpha, 16 + 16 / alpha, COPIES_OF_INTERFACES
+        modes = chosen_modes(16 + 16 / alpha, DENSE_WITH_EDGES)
+        elevations, copies = 16 + 4 / alpha, COPIES_OF_INTERFACES
     else:
-        elevations, modes, copies = 20 + 2.4 / alpha, chosen_modes(alpha), COPIES
+        modes = chosen_modes(40 + 40 / alpha, DENSE)
+        elevations, copies = 20 + 2.4 / alpha, COPIES
     kernel = (elevations + 10 * np.sqrt(alpha)) ** 2 * modes
     if alpha != wide:
         per_alpha, rough = (0.4, 2) if material.transmits else (1.2, 6)
@@ -47,17 +51,19 @@ def energy_seconds(slopes: Slopes, material: Material) -> float:
 
 def value_seconds(slopes: Slopes, material: Material) -> float:
     """About how many seconds one core needs for directional values, at resolution 1: fits to what
-    was measured at roughness 0.02 to 20 and 1,0.1."""
+    was measured at roughness 0.01 to 20 and 1,0.1."""
     alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
     if alpha != wide:
-        per_alpha, rough, each = (0.4, 2, 6e-8) if material.transmits else (1.2, 6, 1.3e-8)
+        per_alpha, rough, each = (0.4, 2, 6e-8) if material.transmits else (1.2, 6, 8e-9)
         lobes = 8 + wide / alpha + 1 / alpha
         return float(each * ((14 + per_alpha / alpha + rough * np.sqrt(wide)) * lobes) ** 3)
     many_orders = np.sqrt(alpha) if alpha > 5 else 0.0
     if material.transmits:
         nodes = 16 + 4 / alpha + 2 * np.sqrt(alpha)
-        return float(1.3 + 2 * many_orders + 3e-6 * nodes**2 * (16 + 16 / alpha))
+        modes = chosen_modes(16 + 16 / alpha, DENSE_WITH_EDGES)
+        return float(1.3 + 2 * many_orders + 5e-6 * nodes**2 * modes)
     nodes = 20 + 2.4 / alpha + 10 * np.sqrt(alpha)
     if not material.specular:
         return float(1 + 0.3 * many_orders + 1e-6 * nodes**3)
-    return float(0.3 * many_orders + EVALUATION_S * 2 * nodes**2 * (2.5 * (40 + 40 / alpha) + 96))
+    each = EVALUATION_S + PRODUCT_S * nodes * chosen_modes(40 + 40 / alpha, DENSE)
+    return float(0.3 * many_orders + each * nodes**2)
