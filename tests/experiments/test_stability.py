@@ -50,7 +50,7 @@ def test_places_are_unique_and_found_again():
     assert find(points(False)[3].place) == points(False)[3]
     assert {p.parameter for p in points(True)} == {
         *("roughness", "anisotropy", "theta", "phi", "ior", "absorption"),
-        *("uniform numbers", "outgoing"),
+        *("gamma", "uniform numbers", "outgoing"),
     }
 
 
@@ -123,6 +123,30 @@ class OneWay(Single):
     def evaluate(self, wi, wo, samples, rng):
         right = super().evaluate(wi, wo, samples, rng)
         return replace(right, value=right.value * (1 + 0.3 * wi[2]))
+
+
+class Sure(Walk):
+    """States a hundredth of its errors."""
+
+    def evaluate(self, wi, wo, samples, rng):
+        right = super().evaluate(wi, wo, samples, rng)
+        return replace(right, stderr=right.stderr / 100)
+
+
+def test_errors_that_do_not_cover_the_truth_are_said():
+    at = point(slopes=Beckmann(0.8, 0.8))
+    assert verdict(walk(at), at)[0] == verdicts.WORKS
+    found, reasons, _ = verdict(walk(at, Sure), at)
+    assert found == verdicts.DEGRADED
+    assert any("do not cover solve" in text for text in reasons), reasons
+
+
+def test_walks_are_followed_where_few_are_long():
+    # .5 % of them meet more than 200 facets, in a run of 4096.
+    long = Truth(point(Diffuse(), Beckmann(20, 20), 1.0), 0)
+    assert 1e-3 < long.longer < 0.1
+    assert 5 < long.bounces < 50
+    assert Truth(point(), 0).longer == 0
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from surfaces.materials import Material
 
 PRECISIONS = {"float64": np.float64, "float32": np.float32}
 
-PATIENCE_S, PATIENCE_OF_DRAFT_S = 5.0, 1.6
+PATIENCE_S, PATIENCE_OF_DRAFT_S = 7.0, 1.6
 """Seconds beyond which `solve`, which says beforehand how long it takes, is not asked for a
 cell."""
 
