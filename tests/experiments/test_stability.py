@@ -132,12 +132,15 @@ class Sure(Walk):
         right = super().evaluate(wi, wo, samples, rng)
         return replace(right, stderr=right.stderr / 100)
 
+    def undersampling(self, wi, wo, samples, rng):
+        return 0 * super().undersampling(wi, wo, samples, rng)
+
 
 def test_errors_that_do_not_cover_the_truth_are_said():
     at = point(slopes=Beckmann(0.8, 0.8))
     assert verdict(walk(at), at)[0] == verdicts.WORKS
     found, reasons, _ = verdict(walk(at, Sure), at)
-    assert found == verdicts.DEGRADED
+    assert found != verdicts.WORKS
     assert any("do not cover solve" in text for text in reasons), reasons
 
 

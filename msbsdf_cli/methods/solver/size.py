@@ -51,19 +51,19 @@ def energy_seconds(slopes: Slopes, material: Material) -> float:
 
 def value_seconds(slopes: Slopes, material: Material) -> float:
     """About how many seconds one core needs for directional values, at resolution 1: fits to what
-    was measured at roughness 0.01 to 20 and 1,0.1."""
+    was measured at roughness 0.01 to 100 and 1,0.1."""
     alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
     if alpha != wide:
         per_alpha, rough, each = (0.4, 2, 6e-8) if material.transmits else (1.2, 6, 8e-9)
         lobes = 8 + wide / alpha + 1 / alpha
         return float(each * ((14 + per_alpha / alpha + rough * np.sqrt(wide)) * lobes) ** 3)
-    many_orders = np.sqrt(alpha) if alpha > 5 else 0.0
+    rough = max(alpha - 1, 0)
     if material.transmits:
-        nodes = 16 + 4 / alpha + 2 * np.sqrt(alpha)
-        modes = chosen_modes(16 + 16 / alpha, DENSE_WITH_EDGES)
-        return float(1.3 + 2 * many_orders + 5e-6 * nodes**2 * modes)
+        nodes, modes = 16 + 4 / alpha, chosen_modes(16 + 16 / alpha, DENSE_WITH_EDGES)
+        many_orders = 3e-5 * rough * (nodes + 10 * np.sqrt(alpha)) ** 2
+        return float(1.3 + many_orders + 5e-6 * (nodes + 2 * np.sqrt(alpha)) ** 2 * modes)
     nodes = 20 + 2.4 / alpha + 10 * np.sqrt(alpha)
     if not material.specular:
-        return float(1 + 0.3 * many_orders + 1e-6 * nodes**3)
+        return float(0.4 + 8e-7 * nodes**3 * (1 + rough))
     each = EVALUATION_S + PRODUCT_S * nodes * chosen_modes(40 + 40 / alpha, DENSE)
-    return float(0.3 * many_orders + each * nodes**2)
+    return float(0.03 * rough + each * nodes**2)

@@ -63,6 +63,8 @@ class StudentT(Mirrored):
         """
         r = np.empty_like(a)
         lanes = np.arange(a.size)
+        # A facet as steep as that is a wall to rounding, and its square has a square.
+        wall = np.finfo(a.dtype).max ** 0.25
         dtype, b = a.dtype.type, self.gamma - 1.5
         while lanes.size:
             u = rng.random((3, lanes.size), dtype=dtype)
@@ -71,7 +73,8 @@ class StudentT(Mirrored):
             slope = (self._spread + a2) / (2 * np.maximum(a2, np.finfo(dtype).tiny))
             steep = slope > b
             v = np.where(steep, first, first + second)
-            size = np.sqrt(a2 + (self._spread + a2) * np.expm1(v))
+            with np.errstate(over="ignore"):
+                size = np.minimum(np.sqrt(a2 + (self._spread + a2) * np.expm1(v)), wall)
             accepted = u[2] * np.where(steep, 1, slope * v) < 1 - a / size
             r[lanes.compress(accepted)] = size.compress(accepted)
             rejected = ~accepted
