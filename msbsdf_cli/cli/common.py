@@ -104,7 +104,7 @@ def long_warnings(options: dict[str, Any], work_s: float, work: str) -> list[str
         return []
     fewer = "--replicates or --directions" if "replicates" in options else "--samples"
     if options.get("realisations"):
-        fewer += " or a lower --accuracy"
+        fewer += " or a coarser --accuracy"
     return [f"this will take about {duration(expected)}, for {work}; fewer {fewer} take less."]
 
 

@@ -4,6 +4,10 @@ Figures of failures are those measured on a public C++ implementation; they are 
 the print, and what is right comes from closed forms, `solve` or the walk in t.
 """
 
+import shutil
+import subprocess
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -201,3 +205,14 @@ def test_what_is_not_finite_is_counted():
     assert method.hidden > 0
     assert np.isfinite(w).all()
     assert (weight == 1).all()
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
+@pytest.mark.parametrize(("options", "fails"), [([], False), (["-ffast-math"], True)])
+def test_fast_math_takes_out_the_check_for_what_is_not_finite(options, fails, tmp_path):
+    source, program = Path(__file__).with_name("fast_math.cpp"), tmp_path / "fast_math"
+    subprocess.run(["g++", "-std=c++17", "-O2", *options, source, "-o", program], check=True)
+    found = subprocess.run([program], check=True, capture_output=True, text=True, timeout=60)
+    # One in 4097 of a million first numbers is 0.
+    assert (200 < int(found.stdout) < 300) == fails
+    assert fails or int(found.stdout) == 0

@@ -54,9 +54,9 @@ def value_seconds(slopes: Slopes, material: Material) -> float:
     was measured at roughness 0.01 to 100 and 1,0.1."""
     alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
     if alpha != wide:
-        per_alpha, rough, each = (0.4, 2, 6e-8) if material.transmits else (1.2, 6, 8e-9)
+        per_alpha, wider, each = (0.4, 2, 6e-8) if material.transmits else (1.2, 6, 8e-9)
         lobes = 8 + wide / alpha + 1 / alpha
-        return float(each * ((14 + per_alpha / alpha + rough * np.sqrt(wide)) * lobes) ** 3)
+        return float(each * ((14 + per_alpha / alpha + wider * np.sqrt(wide)) * lobes) ** 3)
     rough = max(alpha - 1, 0)
     if material.transmits:
         nodes, modes = 16 + 4 / alpha, chosen_modes(16 + 16 / alpha, DENSE_WITH_EDGES)

@@ -1,0 +1,106 @@
+"""`python -m tests.benchmarks`: what the project costs, side by side with the published walk.
+
+The C++ of that walk, `published_walk.cpp`, is compiled when a compiler is there. Both sides take
+turns on one core, and of each the fastest of several runs counts; ratios above 1 are in favour of
+this project. Run it on a machine that does nothing else.
+"""
+
+import os
+
+os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+import msbsdf_cli as ms
+from msbsdf_cli.methods.solve import Solve
+
+RUNS = 5
+WALKS = 400_000
+
+GLASS = ms.Dielectric(1.5)
+MATERIALS = {"conductor": ms.Conductor(), "diffuse": ms.Diffuse(), "dielectric": GLASS}
+SLOPES = {"ggx": ms.Ggx, "beckmann": ms.Beckmann}
+
+SCENES = (
+    ("ggx", "conductor", 0.5, 1.0),
+    ("beckmann", "conductor", 0.5, 1.0),
+    ("ggx", "diffuse", 1.0, 0.0),
+    ("beckmann", "diffuse", 1.0, 1.0),
+    ("beckmann", "dielectric", 1.0, 1.5),
+    ("ggx", "dielectric", 0.5, 0.5),
+)
+
+SOLVED = (
+    (ms.Beckmann(0.2, 0.2), GLASS),
+    (ms.Ggx(1.0, 1.0), GLASS),
+    (ms.Ggx(0.1, 1.0), ms.Conductor()),
+    (ms.Ggx(0.1, 1.0), GLASS),
+    (ms.Beckmann(0.01, 0.01), ms.Conductor()),
+)
+
+
+def main() -> None:
+    compiler = shutil.which("g++") or shutil.which("c++")
+    if compiler is None:
+        print("No C++ compiler is installed: walks are timed alone.")
+    with tempfile.TemporaryDirectory() as directory:
+        program = compile_walk(compiler, Path(directory)) if compiler else None
+        print("walk, one core: million walks a second, and energy of order 1")
+        for scene in SCENES:
+            print(walk_line(program, *scene))
+    print("solve, one core: seconds for the energies of all orders, and the error that it states")
+    for slopes, material in SOLVED:
+        print(solve_line(slopes, material))
+
+
+def compile_walk(compiler: str, directory: Path) -> Path:
+    """The program, as its authors would build it."""
+    source, program = Path(__file__).with_name("published_walk.cpp"), directory / "published_walk"
+    options = ["-std=c++17", "-O3", "-march=native"]
+    subprocess.run([compiler, *options, source, "-o", program], check=True)
+    return program
+
+
+def walk_line(program: Path | None, slopes: str, material: str, alpha: float, theta: float) -> str:
+    model = ms.Smith(SLOPES[slopes](alpha, alpha), MATERIALS[material])
+    ours, theirs, energies = [], [], ("", "")
+    for seed in range(RUNS):
+        started = perf_counter()
+        result = ms.walk(model, ms.direction(theta), WALKS, seed=seed)
+        ours.append(perf_counter() - started)
+        if program is not None:
+            command = [program, slopes, material, str(alpha), str(theta), str(WALKS)]
+            found = subprocess.run(command, check=True, capture_output=True, text=True)
+            seconds, *orders = map(float, found.stdout.split())
+            theirs.append(seconds)
+            energies = f"{first_order(result):.4f}", f"{orders[0]:.4f}"
+    line = f"  {slopes:9} {material:11} {alpha:4g} {theta:4g}  {WALKS / min(ours) / 1e6:6.2f}"
+    if not theirs:
+        return line
+    rate, ratio = WALKS / min(theirs) / 1e6, min(theirs) / min(ours)
+    return f"{line}   C++ {rate:6.2f}   ratio {ratio:5.2f}   {energies[0]} {energies[1]}"
+
+
+def first_order(result: ms.Result) -> float:
+    """Energy of the first order, both sides."""
+    return float(result.energy[0].sum())
+
+
+def solve_line(slopes: ms.Beckmann | ms.Ggx, material: object) -> str:
+    best, error = np.inf, 0.0
+    for _ in range(3):
+        started = perf_counter()
+        energy = Solve(slopes, material, 4).energy(ms.direction(1.0))
+        best, error = min(best, perf_counter() - started), float(energy.error.max())
+    alpha = ",".join(f"{a:g}" for a in dict.fromkeys((slopes.alpha_x, slopes.alpha_y)))
+    return f"  {slopes.name:9} {material.name:11} {alpha:8}  {best:7.2f} s   +- {error:.1e}"
+
+
+if __name__ == "__main__":
+    main()
