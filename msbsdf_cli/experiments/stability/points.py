@@ -125,7 +125,7 @@ SWEEPS = (
         (1e-4, 1e-3, 0.01, 0.05, 0.1, 0.3, 1.0, 5.0, 20.0, 100.0),
         _roughness,
         (1e-4, 1e-3, 0.1, 20.0, 100.0),
-        thetas=(0.0, THETA, 1.5, 1.57, 1.5707, HORIZON),
+        thetas=(0.0, THETA, 1.5, 1.5707, HORIZON),
         thetas_of_draft=(THETA, 1.5707),
     ),
     Sweep("anisotropy", (1.0, 10.0, 100.0, 1000.0), _anisotropy, (1000.0,)),
@@ -135,7 +135,7 @@ SWEEPS = (
         _theta,
         (1e-8, HORIZON),
     ),
-    Sweep("phi", (0.0, 1e-8, 0.7, math.pi / 2, 3.0, math.pi, -1e-8), _phi, ()),
+    Sweep("phi", (0.0, 0.7, math.pi / 2, math.pi), _phi, ()),
     Sweep(
         "ior",
         (1 / 3, 1 / 1.5, 0.9, 1 - 1e-6, 1 + 1e-6, 1.01, 1.33, 2.4, 4.0),

@@ -58,9 +58,11 @@ def simulation(full: bool, seed: int, workers: Workers, quiet: bool) -> list[Row
         "waves": "all",
         "hits": "64",
     }
+    found = list(_worst(table))
+    last = {parameter: value for parameter, value, _, _ in found}
     rows = [
-        _row(parameter, value, error, stderr, automatic[parameter])
-        for parameter, value, error, stderr in _worst(table)
+        _row(parameter, value, error, stderr, automatic[parameter], last[parameter])
+        for parameter, value, error, stderr in found
     ]
     spread = _spread(table, steps)
     for number in NUMBERS:
@@ -96,8 +98,15 @@ def _spread(table: Table, steps: Steps) -> float:
     return float(max(errors)) * math.sqrt(4 * steps.surfaces)
 
 
-def _row(parameter: str, value: float | str, error: float, stderr: float, automatic: str) -> Row:
-    if error == stderr == 0:
+def _row(
+    parameter: str,
+    value: float | str,
+    error: float,
+    stderr: float,
+    automatic: str,
+    last: float | str,
+) -> Row:
+    if value == last:
         note = f"what the others are held against; the automatic choice is {automatic}"
         return _of(parameter, value, verdicts.WORKS, error, stderr, note)
     significant = abs(error) > 2 * stderr
@@ -106,7 +115,7 @@ def _row(parameter: str, value: float | str, error: float, stderr: float, automa
         verdict = verdicts.FAILS if abs(error) > verdicts.VISIBLE else verdicts.DEGRADED
     elif stderr > ACCURACY:
         verdict = verdicts.UNKNOWN
-    note = f"beside the last value; the automatic choice is {automatic}"
+    note = f"beside {last}; the automatic choice is {automatic}"
     return _of(parameter, value, verdict, error, stderr, note)
 
 
