@@ -21,32 +21,33 @@ WO = np.array([[0, 0, 1], [0.6, 0, 0.8], [-0.6, 0.64, 0.48], [0, 0.28, -0.96], [
 
 
 @pytest.mark.parametrize("name", OURS)
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=10)
 @given(
     any_slopes((Beckmann, Ggx, StudentT)),
     above(),
     index,
     st.floats(0, 1),
+    st.sampled_from(["conductor", "diffuse", "dielectric"]),
     precision,
     st.integers(0, 2**32 - 1),
 )
-def test_a_method_answers_or_refuses(name, slopes, w, ior, albedo, dtype, seed):
-    if max(slopes.alpha_x, slopes.alpha_y) > 5:
-        return  # Walks of thousands of facets are the map's subject.
+def test_a_method_answers_or_refuses(name, slopes, w, ior, albedo, kind, dtype, seed):
+    if max(slopes.alpha_x, slopes.alpha_y) > 2 or abs(ior - 1) < 0.1:
+        return  # Walks of hundreds of facets are the map's subject.
     wi, wo = w[:, 0].astype(dtype), (WO / np.sqrt((WO * WO).sum(axis=0))).astype(dtype)
-    for material in (Conductor(), Diffuse(albedo), Dielectric(ior)):
-        rng = np.random.default_rng(seed)
-        try:
-            METHODS[name].check_supported(slopes, material)
-            method = METHODS[name](slopes, material, 2)
-        except UnsupportedError:
-            continue
-        found = method.evaluate(wi, wo, 8, rng)
-        for values in (found.value, found.stderr, method.pdf(wi, wo)):
-            assert np.isfinite(values).all()
-            assert (values >= 0).all()
-        directions, weight = method.sample(wi, 8, rng)
-        assert np.isfinite(weight).all()
-        assert (weight >= 0).all()
-        length = np.sqrt((directions.astype(float) ** 2).sum(axis=0))
-        np.testing.assert_allclose(length, 1, rtol=0, atol=64 * np.finfo(dtype).eps)
+    facets = {"conductor": Conductor(), "diffuse": Diffuse(albedo), "dielectric": Dielectric(ior)}
+    rng = np.random.default_rng(seed)
+    try:
+        METHODS[name].check_supported(slopes, facets[kind])
+        method = METHODS[name](slopes, facets[kind], 2)
+    except UnsupportedError:
+        return
+    found = method.evaluate(wi, wo, 8, rng)
+    for values in (found.value, found.stderr, method.pdf(wi, wo)):
+        assert np.isfinite(values).all()
+        assert (values >= 0).all()
+    directions, weight = method.sample(wi, 8, rng)
+    assert np.isfinite(weight).all()
+    assert (weight >= 0).all()
+    length = np.sqrt((directions.astype(float) ** 2).sum(axis=0))
+    np.testing.assert_allclose(length, 1, rtol=0, atol=64 * np.finfo(dtype).eps)
