@@ -113,10 +113,8 @@ def method_warnings(scenes: list[Scene], methods: tuple[str, ...]) -> list[str]:
     from msbsdf_cli.methods.registry import METHODS
 
     random = not all(METHODS[name].deterministic for name in methods)
-    said = [facet_warnings(scene) if random else [] for scene in scenes]
-    return [text for some in said for text in some] + [
-        text for scene in scenes for text in solve_warnings(scene, methods)
-    ]
+    facets = [text for scene in scenes if random for text in facet_warnings(scene)]
+    return facets + [text for scene in scenes for text in solve_warnings(scene, methods)]
 
 
 def facet_warnings(scene: Scene) -> list[str]:

@@ -28,19 +28,6 @@ def rows_of(rows, **wanted):
     return [row for row in rows if all(row[k] == v for k, v in wanted.items())]
 
 
-def test_solve_says_beforehand_that_it_takes_long():
-    from msbsdf_cli.cli.common import solve_warnings
-    from msbsdf_cli.scene import Scene
-    from msbsdf_cli.smith.slopes import Beckmann
-    from surfaces.materials import Conductor
-
-    smooth = Scene(Conductor(), Beckmann(0.005, 0.005), (0.5,))
-    (said,) = solve_warnings(smooth, ("walk", "solve"))
-    assert "method solve needs about" in said
-    assert solve_warnings(smooth, ("walk",)) == []
-    assert solve_warnings(smooth.of_roughness((0.5, 0.5)), ("solve",)) == []
-
-
 @pytest.mark.parametrize("material", ["conductor", "diffuse", "dielectric"])
 def test_methods_agree_in_the_table(material, tmp_path):
     out = tmp_path / "report"

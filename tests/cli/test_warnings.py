@@ -3,7 +3,7 @@
 import pytest
 from command_line import msbsdf
 
-from msbsdf_cli.cli.common import duration, facet_warnings, long_warnings
+from msbsdf_cli.cli.common import duration, facet_warnings, long_warnings, solve_warnings
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.slopes import Beckmann
 from surfaces.materials import Conductor, Dielectric
@@ -55,6 +55,14 @@ def test_an_index_near_one_at_grazing_incidence_is_told_of():
     (said,) = facet_warnings(near)
     assert "facets in the mean" in said
     assert facet_warnings(Scene(Conductor(), Beckmann(0.5, 0.5), (1.57,))) == []
+
+
+def test_solve_says_beforehand_that_it_takes_long():
+    smooth = Scene(Conductor(), Beckmann(0.005, 0.005), (0.5,))
+    (said,) = solve_warnings(smooth, ("walk", "solve"))
+    assert "method solve needs about" in said
+    assert solve_warnings(smooth, ("walk",)) == []
+    assert solve_warnings(smooth.of_roughness((0.5, 0.5)), ("solve",)) == []
 
 
 def test_durations_are_words():

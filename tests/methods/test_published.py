@@ -98,19 +98,16 @@ def test_slopes_across_of_ggx_end_at_a_fit():
     assert lost == pytest.approx(1.1e-3, rel=0.05)
 
 
-@pytest.mark.parametrize(
-    ("alpha", "material", "theta", "off"),
-    [((1, 0.1), GLASS, 1.5, 0.03), ((20, 0.1), Conductor(), 1.0, 0.08)],
-)
-def test_the_fit_narrows_what_leaves_across(alpha, material, theta, off):
-    n, wi, mean, stderr = 120_000, direction(theta), [], []
+def test_the_fit_narrows_what_leaves_across():
+    """E[y^2] of what leaves mirrors of 20,0.1, low by 8 % as it was measured."""
+    n, wi, mean, stderr = 120_000, direction(1.0), [], []
     for kind in (Published, Walk):
-        w, _ = kind(Ggx(*alpha), material, 2).sample(wi, n, np.random.default_rng(1))
+        w, _ = kind(Ggx(20, 0.1), Conductor(), 2).sample(wi, n, np.random.default_rng(1))
         mean.append((w[1] ** 2).mean())
         stderr.append((w[1] ** 2).std() / np.sqrt(n))
-    noise = np.hypot(*stderr) / mean[1]
-    assert abs(1 - mean[0] / mean[1] - off) < 4 * noise
-    assert off < 0.05 or 1 - mean[0] / mean[1] > 4 * noise
+    low, noise = 1 - mean[0] / mean[1], np.hypot(*stderr) / mean[1]
+    assert low > 4 * noise
+    assert abs(low - 0.08) < 4 * noise
 
 
 def test_a_newton_step_to_the_end_of_its_bracket_passes_for_the_root():

@@ -49,7 +49,7 @@ class Between:
     """q times the area that lanes stand for, over |cos| (1 + extinction)."""
     mis_weight: Array
     """That of the first facet."""
-    interpolation: "Interpolation"
+    interpolation: Interpolation
     """From values at the nodes."""
 
 
