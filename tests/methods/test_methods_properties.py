@@ -72,4 +72,5 @@ def answers_or_refuses(name, slopes, w, ior, albedo, kind, dtype, seed):
     assert np.isfinite(weight).all()
     assert (weight >= 0).all()
     length = np.sqrt((directions.astype(float) ** 2).sum(axis=0))
-    np.testing.assert_allclose(length, 1, rtol=0, atol=64 * np.finfo(dtype).eps)
+    # Each of up to a hundred facets rounds, and refraction stretches that by the index.
+    np.testing.assert_allclose(length, 1, rtol=0, atol=1000 * np.finfo(dtype).eps)

@@ -1,10 +1,12 @@
 """What holds of every slope distribution over its whole domain."""
 
 import numpy as np
+import pytest
 from domain import above, precision, slopes
 from hypothesis import given
 from hypothesis import strategies as st
 
+from msbsdf_cli.smith.slopes import Beckmann, Ggx, StudentT
 from surfaces.facet import dot
 
 
@@ -15,6 +17,18 @@ def test_projected_areas_of_both_sides_differ_by_the_cosine(distribution, w):
     assert np.isfinite(up).all()
     assert (up >= 0).all()
     assert abs(down - up - w[2]) < 1e-12 * (1 + down)
+
+
+@pytest.mark.parametrize(("dtype", "beside"), [(np.float64, 1e-160), (np.float32, 1e-25)])
+@pytest.mark.parametrize("kind", [Beckmann, Ggx, StudentT])
+def test_next_to_the_pole_is_as_at_the_pole(kind, dtype, beside):
+    w = np.array([[beside], [0], [1]], dtype)
+    distribution = kind(0.5, 0.5)
+    assert distribution.sigma(w) < 1e-20
+    assert distribution.sigma(-w) == 1
+    m = distribution.visible_normals(w, 16, np.random.default_rng(0))
+    assert (m[2] > 0).all()
+    assert np.isfinite(m).all()
 
 
 @given(slopes(), above(), precision, st.integers(0, 2**32 - 1))

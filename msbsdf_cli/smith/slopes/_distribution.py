@@ -106,7 +106,12 @@ class Mirrored(Slopes):
         """The slope across one of x (n,); `y` (n,) belongs to another slope along."""
 
     def sigma(self, d: Array) -> Array:
-        return self.area(*stretched(self, d))
+        return self._seen(*stretched(self, d))
+
+    def _seen(self, s: Array, z: Array, a: Array) -> Array:
+        """`area`; next to a pole the square of `a` overflows to infinity, which is right there."""
+        with np.errstate(over="ignore"):
+            return self.area(s, z, a)
 
     def visible_normals(self, wi: Array, n: int, rng: np.random.Generator) -> Array:
         dtype = wi.dtype.type
@@ -117,7 +122,7 @@ class Mirrored(Slopes):
         y = radius * sin_phi
 
         upper = np.maximum(z, 0)
-        share = 2 * (upper + self.area(s, np.abs(z), np.abs(a)))
+        share = 2 * (upper + self._seen(s, np.abs(z), np.abs(a)))
         share = share * rng.random(n, dtype=dtype)
         x = np.where(share < z - s * r, r, -r)
         from_below = np.flatnonzero(share >= 2 * upper)
