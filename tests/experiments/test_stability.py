@@ -24,7 +24,7 @@ from msbsdf_cli.plots.stability import draw_stability
 from msbsdf_cli.results.pieces import Pieces
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.albedo import first_order_albedo
-from msbsdf_cli.smith.slopes import Beckmann, Ggx
+from msbsdf_cli.smith.slopes import Beckmann, Ggx, StudentT
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
 
@@ -58,6 +58,13 @@ def test_the_first_order_of_a_rough_mirror_is_known_in_closed_form():
     value, error = Truth(point(slopes=Ggx(1, 1), theta=0.0), 0).first()
     assert value == pytest.approx(1 - np.log(2), abs=1e-6)
     assert error < 1e-6
+
+
+def test_a_rule_that_walks_contradict_is_no_truth():
+    # Of tails so heavy the product rule finds .453, and walks .485.
+    value, error = Truth(point(Diffuse(), StudentT(0.5, 0.5, 1.6), 1.0), 0).first()
+    assert error > abs(value - 0.485) - 0.01 > 0.015
+    assert Truth(point(Diffuse(), Beckmann(0.5, 0.5), 1.0), 0).first()[1] == 1e-3
 
 
 @pytest.mark.parametrize("material", [Conductor(), Dielectric(1.5), Dielectric(1 / 1.5)])

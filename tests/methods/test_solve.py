@@ -6,7 +6,7 @@ import pytest
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.methods.solver.dielectric import DielectricSolution
 from msbsdf_cli.methods.solver.nodes import cosine_integrals
-from msbsdf_cli.smith.slopes import Beckmann, distribution
+from msbsdf_cli.smith.slopes import Beckmann, StudentT, distribution
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
@@ -297,6 +297,14 @@ def test_few_modes_stand_for_all_of_glass(monkeypatch):
     assert not np.array_equal(found, expected)
     # Total reflection leaves a little: 1.5e-5 of the largest was found at roughness .1.
     np.testing.assert_allclose(found, expected, atol=3e-5 * expected.max())
+
+
+def test_light_that_hardly_leaves_is_refused_and_not_followed_for_ever():
+    walls = Solve(StudentT(0.5, 0.5, 1.500001), Diffuse(), 2)
+    with pytest.raises(ArithmeticError, match="hundreds of thousands of facets"):
+        walls.energy(direction(1.0))
+    steep = Solve(StudentT(0.5, 0.5, 1.501), Diffuse(), 2).energy(direction(1.0))
+    assert steep.reflected.sum() == pytest.approx(1, abs=1e-9)
 
 
 @pytest.mark.parametrize("width", [1e-3, 0.02, 0.3])

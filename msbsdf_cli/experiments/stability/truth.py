@@ -25,8 +25,9 @@ from surfaces.streams import stream
 PANELS = (20, 30)
 """Nodes between edges of the two rules, whose difference is the error of the first order."""
 
-DIFFUSE_ERROR = 1e-3
-"""Of the first order of diffuse facets, a product rule of 12 by 24 directions, up to grazing."""
+DIFFUSE_ERROR, CONTRADICTED = 1e-3, 4
+"""Of the first order of diffuse facets, a product rule of 12 by 24 directions, up to grazing; and
+the standard errors by which walks contradict it."""
 
 LONG_WALKS = 50
 """Facets in the mean from which walks are out of hand: a hundred times those of ordinary
@@ -72,15 +73,25 @@ class Truth:
         """Energy of the first order, and its error."""
         scene = self.point.scene
         if not scene.material.specular:
-            albedo = float(np.mean(scene.material.albedos))
             if not correlated:
                 return float("nan"), float("inf")
-            return albedo * float(
-                first_order_albedo(scene.slopes, scene.material, self.wi[:, None])[0]
-            ), DIFFUSE_ERROR
+            return self._diffuse
         facets = scene.slopes, scene.material, self.wi
         coarse, fine = (first_order_energy(*facets, panel, correlated) for panel in PANELS)
         return fine, abs(fine - coarse)
+
+    @cached_property
+    def _diffuse(self) -> tuple[float, float]:
+        """Of diffuse facets: the product rule, whose error is no less than what long walks show,
+        as tails of slopes may be too heavy for its nodes."""
+        scene = self.point.scene
+        albedo = float(np.mean(scene.material.albedos))
+        value = albedo * float(
+            first_order_albedo(scene.slopes, scene.material, self.wi[:, None])[0]
+        )
+        apart = abs(value - float(self.walked.value[0]))
+        shown = apart > CONTRADICTED * float(self.walked.error[0])
+        return value, max(DIFFUSE_ERROR, apart if shown else 0.0)
 
     @property
     def total(self) -> float:

@@ -182,6 +182,10 @@ def _tails(turned: list[Array], K: int) -> list[Array]:
     return [np.sum(turned[max(K - a, 1) - 1 :], axis=0) for a in range(1, K + 1)] if turned else []
 
 
+MOST_ORDERS = 100_000
+"""Light that takes so many orders to fade is not followed: thirty times those of roughness 100."""
+
+
 def _settle(kernel: Kernel, step: Callable[[Array], Array], start: Array) -> tuple[Array, float]:
     """Iterate until the energy no longer grows, beyond rounding; what may still be missing.
 
@@ -201,9 +205,17 @@ def _settle(kernel: Kernel, step: Callable[[Array], Array], start: Array) -> tup
                 "method solve is too coarse for this: energy grows from order to order; walk is "
                 "the method to take"
             )
-        if growth <= rounding * np.max(np.abs(level)):
+        enough = rounding * np.max(np.abs(level))
+        if growth <= enough:
             # What is missing falls off like a geometric series.
             return R, float(growth * growth / (before - growth)) if growth < before else growth
+        if growth < before < np.inf and np.log(enough / growth) < MOST_ORDERS * np.log(
+            growth / before
+        ):
+            raise ArithmeticError(
+                "method solve would have to follow light to hundreds of thousands of facets, as "
+                "surfaces so steep hold it fast; with a bound on facets, walk is the method to take"
+            )
 
 
 class Discretisation(ABC):
