@@ -8,13 +8,14 @@ import numpy as np
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.result import Result
+from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, merge_bins
 from msbsdf_cli.statistics.distances import (
     Distance,
     Histogram,
     kolmogorov_smirnov,
     total_variation,
 )
-from msbsdf_cli.statistics.tally import PHI_BINS, THETA_BINS, Estimate, merge_bins
+from msbsdf_cli.statistics.tally import Estimate
 from surfaces.facet import Array
 
 SAME = ("material", "wi", "orders")

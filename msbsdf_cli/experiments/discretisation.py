@@ -6,7 +6,8 @@ a law that was measured beforehand, since fields of different periods have nothi
 
 import numpy as np
 
-from msbsdf_cli.statistics.tally import PHI_BINS, THETA_BINS, Tally, lobe_axes, merge_bins
+from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, merge_bins
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 
 COARSER = 2

@@ -9,7 +9,8 @@ from msbsdf_cli.experiments.evaluate import evaluate
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.run.executors import Workers
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.statistics.tally import PHI_BINS, Estimate, lobe_axes
+from msbsdf_cli.statistics.binning import PHI_BINS, lobe_axes
+from msbsdf_cli.statistics.tally import Estimate
 from surfaces.facet import Array
 
 MOST_PLACES = 16

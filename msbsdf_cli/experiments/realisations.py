@@ -11,7 +11,8 @@ from msbsdf_cli.results.run import Run
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene, direction
-from msbsdf_cli.statistics.tally import MERGED, PHI_BINS, THETA_BINS, Tally, merge_bins
+from msbsdf_cli.statistics.binning import MERGED, PHI_BINS, THETA_BINS, merge_bins
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 from surfaces.free_path import next_heights
 from surfaces.heightfield import all_waves, some_waves, synthesise

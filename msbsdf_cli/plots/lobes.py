@@ -10,13 +10,7 @@ from matplotlib.lines import Line2D
 
 from msbsdf_cli.plots.style import BAND_ROOM, method_look, order_colour, panels, save
 from msbsdf_cli.results.lobes import Lobes
-from msbsdf_cli.statistics.tally import (
-    PHI_BINS,
-    THETA_BINS,
-    lobe_axes,
-    merge_bins,
-    spread_bins,
-)
+from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, merge_bins, spread_bins
 from surfaces.facet import Array
 
 PIXELS = 181

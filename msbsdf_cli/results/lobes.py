@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from msbsdf_cli.results.free_paths import FreePaths
-from msbsdf_cli.statistics.tally import PHI_BINS, SIDES, THETA_BINS, Estimate, Tally, lobe_axes
+from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes
+from msbsdf_cli.statistics.tally import SIDES, Estimate, Tally
 from surfaces.facet import Array
 
 REST = ("absorbed", "unresolved")

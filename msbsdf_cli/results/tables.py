@@ -9,7 +9,8 @@ import numpy as np
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.run import Run
-from msbsdf_cli.statistics.tally import MOMENTS, PHI_BINS, SIDES, lobe_axes, sequence_names
+from msbsdf_cli.statistics.binning import PHI_BINS, lobe_axes
+from msbsdf_cli.statistics.tally import MOMENTS, SIDES, sequence_names
 from surfaces.facet import Array
 
 PLACE = ("theta_i_rad", "phi_i_rad", "order", "side")

@@ -20,7 +20,7 @@ from surfaces.facet import Array
 from surfaces.light import Light, append_event
 from surfaces.materials import Material
 
-BLOCK = 8192
+BLOCK = 16384
 """Lanes handled together: a dozen arrays of this length stay in a core's second-level cache,
 and the cost of a NumPy call is spread over enough lanes."""
 
@@ -71,7 +71,8 @@ def random_walk(
 
 def exponential(n: int, rng: np.random.Generator, dtype: type) -> Array:
     """Exponential numbers; half the generator's spacing keeps them above zero."""
-    return np.finfo(dtype).epsneg / 2 - np.log(1 - rng.random(n, dtype=dtype))
+    E: Array = rng.standard_exponential(n, dtype=dtype) + np.finfo(dtype).epsneg / 2
+    return E
 
 
 def free_path(t: Array, d: Array, sigma: Array, E: Array) -> tuple[Array, Array]:
@@ -88,8 +89,13 @@ def free_path(t: Array, d: Array, sigma: Array, E: Array) -> tuple[Array, Array]
 
 def flip(t: Array) -> Array:
     """C1 -> 1 - C1 in t, with all digits at both ends."""
+    flat, flipped = t.ravel(), np.empty(t.size, t.dtype)
+    near = flat < np.log(2)
+    top, bottom = np.flatnonzero(near), np.flatnonzero(~near)
     with np.errstate(divide="ignore"):
-        return -np.where(t < np.log(2), np.log(-np.expm1(-t)), np.log1p(-np.exp(-t)))
+        flipped[top] = -np.log(-np.expm1(-flat.take(top)))
+    flipped[bottom] = -np.log1p(-np.exp(-flat.take(bottom)))
+    return flipped.reshape(t.shape)
 
 
 def _arrive(slopes: Slopes, material: Material, wi: Array) -> Lanes:

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_bin
 from surfaces.facet import Array
 from surfaces.light import Light, sequence_name
 
-THETA_BINS = 30
-PHI_BINS = 60
-"""Lobes are binned over a hemisphere evenly in polar angle (3 degrees) and azimuth (6 degrees);
-the first bin of azimuth is centred on phi = 0, so that the plane of incidence has bins of its own.
-"""
+BINS = THETA_BINS * PHI_BINS
+"""Of the lobe on one side."""
 
 MOMENTS = ("x", "y", "z", "xx", "yy", "zz")
 SIDES = ("reflected", "transmitted")
@@ -49,7 +47,7 @@ class Tally:
         self._shapes = {
             "energy": (orders + 1, 2),
             "moments": (orders + 1, 2, len(MOMENTS)),
-            "lobe": (orders + 1, 2, THETA_BINS * PHI_BINS),
+            "lobe": (orders + 1, 2, BINS),
             "sequence": (2 ** (orders + 1), 2),
             "side": (2,),
             "absorbed": (),
@@ -83,35 +81,33 @@ class Tally:
         if not light.resolved:
             self._add("unresolved", (), np.ones(n) if weight is None else weight)
             return
-        if light.transmitted is None:
-            self._add_side(light.order, 0, light.w, weight, None)
-            return
-        for side, here in enumerate((~light.transmitted, light.transmitted)):
-            some = None if weight is None else weight.compress(here)
-            sequence = None if light.sequence is None else light.sequence.compress(here)
-            self._add_side(light.order, side, light.w.compress(here, axis=1), some, sequence)
+        self._add_resolved(light, weight)
 
     def _add(self, name: str, place: tuple[int, ...], values: Array) -> None:
         self._sum[name][place] += values.sum()
         if self.independent:
             self._square[name][place] += values @ values
 
-    def _add_side(
-        self, order: int, side: int, w: Array, weight: Array | None, sequence: Array | None
-    ) -> None:
-        row = min(order, self.orders + 1) - 1
-        bins = lobe_bin(w)
+    def _add_resolved(self, light: Light, weight: Array | None) -> None:
+        row, below = min(light.order, self.orders + 1) - 1, light.transmitted
+        bins, codes = lobe_bin(light.w), light.sequence
+        if below is not None:
+            bins += below * BINS
+        if codes is not None and below is not None:
+            codes = 2 * (codes if light.order <= self.orders else np.zeros_like(codes)) + below
         for views, power in ((self._sum, 1), (self._square, 2))[: 1 + self.independent]:
             share = None if weight is None else weight**power
-            energy = w.shape[1] if share is None else share.sum()
-            views["energy"][row, side] += energy
-            views["side"][side] += energy
-            views["moments"][row, side] += _moments(w, share, power)
-            views["lobe"][row, side] += np.bincount(bins, share, THETA_BINS * PHI_BINS)
-            if sequence is not None:
-                codes = np.where(order > self.orders, 0, sequence)
-                counts = np.bincount(codes, share, 2 ** (self.orders + 1))
-                views["sequence"][:, side] += counts
+            energy, moments = _sums(light.w, share, below, power)
+            views["energy"][row] += energy
+            views["side"] += energy
+            views["moments"][row] += moments
+            if power == 1 or share is not None:
+                lobe = np.bincount(bins, share, 2 * BINS).reshape(2, -1)
+                if codes is not None:
+                    count = np.bincount(codes, share, 2 ** (self.orders + 2)).reshape(-1, 2)
+            views["lobe"][row] += lobe
+            if codes is not None:
+                views["sequence"][:] += count
 
     def as_unit(self) -> "Tally":
         """All rays so far as one independent unit: their mean."""
@@ -150,59 +146,20 @@ class Tally:
         return Estimate(mean, np.sqrt(variance + unseen + self.views(self.systematic)[name]))
 
 
-def _moments(w: Array, share: Array | None, power: int) -> Array:
-    """Sums of share x (x, y, z, xx, yy, zz)^power over directions (3, n)."""
+def _sums(w: Array, share: Array | None, below: Array | None, power: int) -> tuple[Array, Array]:
+    """Sums of share (sides,) and of share x (x, y, z, xx, yy, zz)^power (sides, 6), over
+    directions (3, n) of which `below` tells the side."""
     first = w if power == 1 else w * w
-    second = w * w if power == 1 else first * first
-    if share is None:
-        return np.concatenate([first.sum(axis=1), second.sum(axis=1)])
-    return np.concatenate([first @ share, second @ share])
-
-
-def lobe_bin(w: Array) -> Array:
-    """Bin numbers (n,) of directions (3, n), each hemisphere counted from its own pole."""
-    theta = np.arccos(np.minimum(np.abs(w[2]), 1))
-    phi = np.arctan2(w[1], w[0])
-    row = np.minimum((theta * (2 / np.pi * THETA_BINS)).astype(np.int32), THETA_BINS - 1)
-    column = np.floor(phi * (PHI_BINS / (2 * np.pi)) + 0.5).astype(np.int32) % PHI_BINS
-    bins: Array = row * PHI_BINS + column
-    return bins
-
-
-def lobe_axes() -> tuple[Array, Array, Array]:
-    """Bin centres in polar angle (THETA_BINS,), measured from the pole of the hemisphere, and in
-    azimuth (PHI_BINS,), in radians, and solid angles (THETA_BINS,) in steradians."""
-    edges = np.linspace(0, np.pi / 2, THETA_BINS + 1)
-    solid_angle = -np.diff(np.cos(edges)) * 2 * np.pi / PHI_BINS
-    return (edges[1:] + edges[:-1]) / 2, 2 * np.pi / PHI_BINS * np.arange(PHI_BINS), solid_angle
-
-
-MERGED = 3
-"""Bins of a lobe, along each axis, that are put together where noise would drown a difference."""
-
-
-def merge_bins(values: Array) -> Array:
-    """Sums over blocks of bins (theta, phi), the first block centred on the first bin of phi."""
-    rows, columns = values.shape
-    values = np.roll(values, MERGED // 2, axis=1)
-    blocks = values.reshape(rows // MERGED, MERGED, columns // MERGED, MERGED)
-    return np.asarray(blocks.sum(axis=(1, 3)))
-
-
-def merge_sides(lobe: Array) -> Array:
-    """Energies (n,) in merged bins of both sides, from those in all bins (2, bins)."""
-    return np.concatenate([merge_bins(side.reshape(THETA_BINS, PHI_BINS)).ravel() for side in lobe])
-
-
-def merged_solid_angle() -> Array:
-    """Solid angles (n,) of the bins of `merge_sides`."""
-    return merge_sides(np.tile(np.repeat(lobe_axes()[2], PHI_BINS), (2, 1)))
-
-
-def spread_bins(values: Array) -> Array:
-    """Blocks of `merge_bins` as bins (theta, phi) again, each with its block's value."""
-    fine = np.repeat(np.repeat(values, MERGED, axis=0), MERGED, axis=1)
-    return np.roll(fine, -(MERGED // 2), axis=1)
+    products = np.concatenate([first, w * w if power == 1 else first * first])
+    energy, moments = np.zeros(2), np.zeros((2, len(MOMENTS)))
+    if below is None:
+        energy[0] = w.shape[1] if share is None else share.sum()
+        moments[0] = products.sum(axis=1) if share is None else products @ share
+        return energy, moments
+    shares = np.stack([~below, below]).astype(float)
+    if share is not None:
+        shares *= share
+    return shares.sum(axis=1), shares @ products.T
 
 
 def sequence_names(orders: int) -> list[str]:

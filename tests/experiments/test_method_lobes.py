@@ -10,7 +10,8 @@ from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.slopes import Beckmann
 from msbsdf_cli.smith.walk import random_walk
-from msbsdf_cli.statistics.tally import Tally, lobe_axes
+from msbsdf_cli.statistics.binning import lobe_axes
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
 GLASS = Scene(Dielectric(), Beckmann(1, 0.1), (0.5,), 0.0, orders=1)

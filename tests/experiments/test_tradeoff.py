@@ -28,8 +28,8 @@ from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.slopes import Beckmann
+from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, merge_sides, merged_solid_angle
 from msbsdf_cli.statistics.repetitions import accuracy, inner_products, taken_apart
-from msbsdf_cli.statistics.tally import PHI_BINS, THETA_BINS, merge_sides, merged_solid_angle
 from surfaces.materials import Conductor, Dielectric
 
 SCENE = Scene(Conductor(), Beckmann(0.5, 0.5), (0.5,), 0.0)

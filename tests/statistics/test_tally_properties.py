@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from msbsdf_cli.statistics.tally import Tally, lobe_bin
+from msbsdf_cli.statistics.binning import lobe_bin
+from msbsdf_cli.statistics.tally import Tally
 from surfaces.light import Light
 
 

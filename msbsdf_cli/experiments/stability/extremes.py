@@ -32,5 +32,10 @@ class Extremes:
         u = np.where(chosen < low, 0, u)
         return np.where((chosen >= low) & (chosen < SHARE), last, u).astype(u.dtype)
 
+    def standard_exponential(self, size: Any = None, dtype: Any = np.float64) -> Array:
+        """By inversion, so that the ends are met here too."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(-np.log(1 - self.random(size, dtype)))
+
     def __getattr__(self, name: str) -> Any:
         return getattr(self.rng, name)

@@ -52,6 +52,12 @@ class QuasiRandom(np.random.Generator):
         self.used += 1
         return np.minimum(column + uniform * 2.0**-BITS, 1 - np.finfo(dtype).epsneg).astype(dtype)
 
+    def standard_exponential(
+        self, size: Any = None, dtype: Any = np.float64, method: Any = None, out: Any = None
+    ) -> Any:
+        """By inversion: one number of the sequence for each."""
+        return -np.log(1 - self.random(size, dtype, out))
+
 
 def evaluate_quasirandom(
     method: Method, wi: Array, wo: Array, samples: int, rng: QuasiRandom

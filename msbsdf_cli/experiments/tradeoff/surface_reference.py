@@ -15,15 +15,15 @@ from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.statistics.jackknife import jackknife
-from msbsdf_cli.statistics.repetitions import root
-from msbsdf_cli.statistics.tally import (
+from msbsdf_cli.statistics.binning import (
     PHI_BINS,
     THETA_BINS,
     lobe_bin,
     merge_sides,
     merged_solid_angle,
 )
+from msbsdf_cli.statistics.jackknife import jackknife
+from msbsdf_cli.statistics.repetitions import root
 from surfaces.facet import Array
 from surfaces.streams import stream
 
