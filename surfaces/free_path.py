@@ -5,6 +5,7 @@ direction of travel. Where a plane crosses a height, that part is a line, and it
 line's length over the slope: no band of heights is needed, and none biases the result.
 """
 
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from surfaces.periodic import ESCAPED, meet, next_triangle
 from surfaces.stretch import Stretch
 from surfaces.surface import Surface
 from surfaces.tracing import BLOCK, morton
+from surfaces.views import SIDE, VIEWS, to_mesh, upside_down
 
 
 class FreePaths(NamedTuple):
@@ -21,63 +23,99 @@ class FreePaths(NamedTuple):
 
     heights: Array
     """Heights of the facets met."""
-    escaped: int
+    shares: Array
+    """Share of the points of departure that each of them stands for."""
+    escaped: float
+    """Share of those that met none."""
     lost: int
     weight: float
     """Measure of the points of departure; 0 where no point of that height faces the direction."""
 
 
-def next_heights(
-    surface: Surface, stretch: Stretch, d: Array, start: float, n: int, rng: np.random.Generator
-) -> FreePaths:
-    """Heights of the facets that `n` rays in direction `d` (3,) meet next.
+class Level:
+    """Where a mesh crosses a height."""
 
-    `stretch` is that of the surface for the roughness. `start` is the height of departure, or
-    infinite for rays that arrive from outside.
-    """
-    travel = stretch.to_grid(d[:, None])
-    if np.isinf(start):
-        origins = np.empty((3, n))
-        origins[:2] = morton((np.arange(n) + rng.random(n)) / n) * surface.period
-        origins[2] = surface.top
-        weight = 1.0
-    else:
-        origins, weight = level_points(surface, start, travel, n, rng)
-    heights, escaped, lost = [np.zeros(0)], 0, 0
-    for first in range(0, origins.shape[1], BLOCK):
-        o = origins[:, first : first + BLOCK].copy()
-        along = np.broadcast_to(travel, o.shape)
-        triangle = next_triangle(surface, o, along, None)
-        hit = triangle >= 0
-        point, facing, _ = meet(surface, o[:, hit], along[:, hit], triangle[hit])
-        heights.append(point[2, facing])
-        escaped += int(np.count_nonzero(triangle == ESCAPED))
-        lost += int(np.count_nonzero(~facing) + np.count_nonzero(triangle < ESCAPED))
-    return FreePaths(np.concatenate(heights), escaped, lost, weight)
+    def __init__(self, surface: Surface, height: float) -> None:
+        self.surface, self.height = surface, height
+        corners, planes = surface.period_triangles
+        z = corners[:, 2]
+        crossing = np.flatnonzero((z.min(axis=0) < height) & (height < z.max(axis=0)))
+        self.ends = _segment(corners[..., crossing], height)
+        self.slopes = planes[1:, crossing]
+        self.measure = np.hypot(*(self.ends[1] - self.ends[0])) / np.hypot(*self.slopes)
+
+    def points(
+        self, d: Array, n: int, rng: np.random.Generator, side: float = 1.0
+    ) -> tuple[Array, float]:
+        """`n` points (3, n) off the mesh, on facets whose upper (`side` 1) or lower (-1) side faces
+        along `d` (3,) of the mesh, and their measure; none, where there is no such facet."""
+        faces = side * (d[2] - self.slopes[0] * d[0] - self.slopes[1] * d[1]) > 0
+        facing = np.flatnonzero(faces)
+        if facing.size == 0:
+            return np.empty((3, 0)), 0.0
+        total = np.cumsum(self.measure[facing])
+        place = (np.arange(n) + rng.random(n)) / n * total[-1]
+        chosen = facing[np.minimum(np.searchsorted(total, place), total.size - 1)]
+        part = rng.random(n)
+        points = np.empty((3, n))
+        points[:2] = self.ends[0][:, chosen] * (1 - part) + self.ends[1][:, chosen] * part
+        points[2] = self.height + side * self.surface.lift
+        return points, float(total[-1])
 
 
-def level_points(
-    surface: Surface, height: float, d: Array, n: int, rng: np.random.Generator
-) -> tuple[Array, float]:
-    """`n` points (3, n), lifted off the surface, of that height, on facets that face along `d`
-    (3, 1), and their measure; none, where there is no such facet."""
-    corners, planes = surface.period_triangles
-    z = corners[:, 2]
-    facing = planes[1] * d[0] + planes[2] * d[1] < d[2]
-    crossing = np.flatnonzero(facing & (z.min(axis=0) < height) & (height < z.max(axis=0)))
-    if crossing.size == 0:
-        return np.empty((3, 0)), 0.0
-    ends = _segment(corners[..., crossing], height)
-    length = np.hypot(*(ends[1] - ends[0]))
-    slope = np.hypot(*planes[1:, crossing])
-    total = np.cumsum(length / slope)
-    place = (np.arange(n) + rng.random(n)) / n * total[-1]
-    chosen = np.minimum(np.searchsorted(total, place), total.size - 1)
-    part = rng.random(n)
-    points = np.empty((3, n))
-    points[:2] = ends[0][:, chosen] * (1 - part) + ends[1][:, chosen] * part
-    points[2] = height + surface.lift
-    return points, float(total[-1])
+@dataclass
+class FreePathTracer:
+    """Free paths on `surface` in the world that `stretch` takes to its grid; by the first `views`
+    of the surfaces that the mesh is."""
+
+    surface: Surface
+    stretch: Stretch
+    views: int = VIEWS
+    levels: dict[float, Level] = field(default_factory=dict)
+
+    def next_heights(self, d: Array, start: float, n: int, rng: np.random.Generator) -> FreePaths:
+        """Heights of the facets that about `n` rays in direction `d` (3,) meet next, from the
+        height `start`, infinite for rays that arrive from outside."""
+        each = -(-n // self.views)
+        along = self.stretch.to_grid(d[:, None])
+        parts = [self._departures(along, start, view, each, rng) for view in range(self.views)]
+        measure = np.array([part[1] for part in parts])
+        size = np.array([part[0].shape[1] for part in parts])
+        view = np.repeat(np.arange(self.views), size)
+        share = (measure / np.maximum(size, 1) / (measure.sum() or 1))[view]
+        origins = np.concatenate([part[0] for part in parts], axis=1)
+        heights, met, escaped, lost = [np.zeros(0)], [np.zeros(0)], 0.0, 0
+        for first in range(0, view.size, BLOCK):
+            block = slice(first, first + BLOCK)
+            o, lower = origins[:, block].copy(), upside_down(view[block])
+            travel = to_mesh(np.broadcast_to(along, o.shape), view[block])
+            triangle = next_triangle(self.surface, o, travel, lower)
+            hit = np.flatnonzero(triangle >= 0)
+            o, travel = o.take(hit, axis=1), travel.take(hit, axis=1)
+            point, upper, _ = meet(self.surface, o, travel, triangle.take(hit))
+            facing = upper ^ lower.take(hit)
+            heights.append((SIDE[view[block]].take(hit) * point[2]).compress(facing))
+            met.append(share[block].take(hit).compress(facing))
+            escaped += float(share[block][triangle == ESCAPED].sum())
+            lost += int(np.count_nonzero(~facing) + np.count_nonzero(triangle < ESCAPED))
+        found = np.concatenate(heights), np.concatenate(met)
+        return FreePaths(*found, escaped, lost, float(measure.mean()))
+
+    def _departures(
+        self, along: Array, start: float, view: int, n: int, rng: np.random.Generator
+    ) -> tuple[Array, float]:
+        """Origins (3, n) of the mesh for one view, and their measure."""
+        side = float(SIDE[view])
+        if np.isinf(start):
+            origins = np.empty((3, n))
+            origins[:2] = morton((np.arange(n) + rng.random(n)) / n) * self.surface.period
+            origins[2] = self.surface.top if side > 0 else self.surface.bottom
+            return origins, 1.0
+        height = side * start
+        if height not in self.levels:
+            self.levels[height] = Level(self.surface, height)
+        travel = to_mesh(along, np.full(1, view))[:, 0]
+        return self.levels[height].points(travel, n, rng, side)
 
 
 def _segment(corners: Array, height: float) -> tuple[Array, Array]:

@@ -8,14 +8,17 @@ serves every roughness: `Surface.stretch` turns directions into them.
 from dataclasses import dataclass
 from functools import cached_property
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from surfaces.facet import Array
 from surfaces.stretch import Stretch
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 MARGIN = 1
 """Cells meshed beyond each side of the period, so that no hit is ever sought at the mesh's rim."""
@@ -99,6 +102,14 @@ class Surface:
         planes[:, :, 1, 0] = h[:-1, 1:] - planes[:, :, 1, 1] * u - planes[:, :, 1, 2] * (v + 1)
         return planes.reshape(-1, 3)
 
+    def slopes(self, every: int) -> Array:
+        """Slopes (2, n), per cell, of one triangle in every so many cells of a period, each way."""
+        rows = len(self._grid) - 1
+        cells = self.planes.reshape(rows, rows, 2, 3)[
+            MARGIN : rows - MARGIN, MARGIN : rows - MARGIN
+        ]
+        return np.ascontiguousarray(cells[::every, ::every, 0, 1:].reshape(-1, 2).T)
+
     @cached_property
     def period_triangles(self) -> tuple[Array, Array]:
         """Corners (corner, xyz, triangles) and planes (3, triangles) of one period's triangles."""
@@ -132,12 +143,9 @@ class Surface:
         axis = np.arange(rows, dtype=np.float32) - MARGIN
         vertices = np.empty((rows, rows, 3), np.float32)
         vertices[..., 0], vertices[..., 1], vertices[..., 2] = axis[:, None], axis, h
-        mesh = trimesh.Trimesh(
-            vertices.reshape(-1, 3), self.faces(rows), process=False, validate=False
-        )
         # `robust`: rays along the lines of the mesh slip through otherwise.
         scene = EmbreeScene(robust=True)
-        TriangleMesh(scene, np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.int32))
+        TriangleMesh(scene, vertices.reshape(-1, 3), self.faces(rows))
         return scene
 
     def query(self, o: Array, d: Array) -> Array:
@@ -152,8 +160,11 @@ class Surface:
         self.rays += o.shape[1]
         return triangle
 
-    def mesh(self, alpha_x: float, alpha_y: float) -> trimesh.Trimesh:
+    def mesh(self, alpha_x: float, alpha_y: float) -> "Trimesh":
         """One period, in units of the heights' standard deviation."""
+        # Not above: it takes longer to import than many a run of a library's user takes.
+        import trimesh
+
         h = np.pad(self.heights, (0, 1), mode="wrap")
         axis = np.arange(len(h), dtype=float)
         u, v = np.meshgrid(axis, axis, indexing="ij")

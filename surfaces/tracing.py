@@ -16,6 +16,7 @@ from surfaces.materials import Material
 from surfaces.periodic import ESCAPED, LOST, meet, next_triangle
 from surfaces.stretch import Stretch
 from surfaces.surface import Surface
+from surfaces.views import VIEWS, slopes_in_view, to_mesh, to_view, upside_down
 
 BLOCK = 16384
 """Rays handled together."""
@@ -27,6 +28,8 @@ class Rays(Batch):
 
     o: Array
     d: Array
+    view: Array | None = None
+    """Which of `surfaces.views` each is traced on, (n,); None: the mesh as it is."""
     weight: Array | None = None
     inside: Array | None = None
     sequence: Array | None = None
@@ -34,12 +37,16 @@ class Rays(Batch):
 
 class Tracer:
     """Light on `surface`, in the world that `stretch` takes to its grid, with facets of
-    `material`."""
+    `material`; with `all_views` on all the surfaces that the mesh is, the same number of rays on
+    each."""
 
-    def __init__(self, surface: Surface, stretch: Stretch, material: Material) -> None:
+    def __init__(
+        self, surface: Surface, stretch: Stretch, material: Material, all_views: bool = False
+    ) -> None:
         self.surface = surface
         self.material = material
         self.stretch = stretch
+        self.all_views = all_views
 
     def trace(
         self,
@@ -60,8 +67,8 @@ class Tracer:
         survivors: list[Rays] = []
         for start in range(0, n, BLOCK):
             count = min(BLOCK, n - start)
-            curve = (piece[0] + (start + np.arange(count) + rng.random(count)) / n) / piece[1]
-            yield from self._facet(self._arrive(wi, curve), 1, rng, survivors)
+            place = (start + np.arange(count) + rng.random(count)) / n
+            yield from self._facet(self._arrive(wi, place, piece), 1, rng, survivors)
         for order in range(2, max_order + 2):
             if not survivors:
                 return
@@ -72,12 +79,18 @@ class Tracer:
         if survivors:
             yield self._leave(concatenate(survivors), max_order + 1, resolved=False)
 
-    def _arrive(self, wi: Array, curve: Array) -> Rays:
-        n = curve.size
-        o = np.empty((3, n))
-        o[:2] = morton(curve) * self.surface.period
+    def _arrive(self, wi: Array, place: Array, piece: tuple[int, int]) -> Rays:
+        """Rays at the places (n,) in [0, 1) of the curve, or of those of all views in turn."""
+        n, o, view = place.size, np.empty((3, place.size)), None
+        d = np.broadcast_to(self.stretch.to_grid(-wi[:, None]), (3, n))
         o[2] = self.surface.top
-        rays = Rays(o, np.broadcast_to(self.stretch.to_grid(-wi[:, None]), (3, n)))
+        if self.all_views:
+            view, place = np.divmod(place * VIEWS, 1)
+            view = view.astype(np.intp)
+            d = to_mesh(d, view)
+            o[2, upside_down(view)] = self.surface.bottom
+        o[:2] = morton((piece[0] + place) / piece[1]) * self.surface.period
+        rays = Rays(o, d, view)
         if self.material.absorbs:
             rays.weight = np.ones((self.material.channels, n))
         if self.material.transmits:
@@ -89,7 +102,7 @@ class Tracer:
         self, rays: Rays, order: int, rng: np.random.Generator, survivors: list[Rays]
     ) -> Iterator[Light]:
         """Take rays to their facet number `order`; yield those that find none."""
-        triangle = next_triangle(self.surface, rays.o, rays.d, rays.inside)
+        triangle = next_triangle(self.surface, rays.o, rays.d, _below(rays))
         escaped, lost = triangle == ESCAPED, triangle == LOST
         if escaped.any():
             yield self._leave(rays.compress(escaped), order - 1)
@@ -99,7 +112,8 @@ class Tracer:
         if not hit.all():
             rays, triangle = rays.compress(hit), triangle.compress(hit)
         point, upper, slopes = meet(self.surface, rays.o, rays.d, triangle)
-        facing = upper if rays.inside is None else upper ^ rays.inside
+        below = _below(rays)
+        facing = upper if below is None else upper ^ below
         if not facing.all():
             # The far side of a facet was met: the ray has leaked through the surface.
             yield self._leave(rays.compress(~facing), order - 1, resolved=False)
@@ -108,26 +122,37 @@ class Tracer:
             survivors.append(self._scatter(rays, point, slopes, rng))
 
     def _scatter(self, rays: Rays, point: Array, slopes: Array, rng: np.random.Generator) -> Rays:
+        if rays.view is not None:
+            slopes = slopes_in_view(slopes, rays.view)
         m = self.stretch.normals(slopes)
         if rays.inside is not None:
             np.negative(m, out=m, where=rays.inside)
-        travel, gain, transmitted = self.material.scatter(
-            self.stretch.to_world(rays.d), m, rays.inside, rng
-        )
-        after = Rays(point, self.stretch.to_grid(travel))
-        lift: Array | float = self.surface.lift
+        travel, gain, transmitted = self.material.scatter(self._in_world(rays), m, rays.inside, rng)
+        d = self.stretch.to_grid(travel)
+        after = Rays(point, d if rays.view is None else to_mesh(d, rays.view), rays.view)
         if gain is not None and rays.weight is not None:
             after.weight = rays.weight * gain
         if transmitted is not None and rays.inside is not None and rays.sequence is not None:
             after.inside = rays.inside ^ transmitted
             after.sequence = append_event(rays.sequence, transmitted)
-            lift = np.where(after.inside, -lift, lift)
-        point[2] += lift
+        below, lift = _below(after), self.surface.lift
+        point[2] += lift if below is None else np.where(below, -lift, lift)
         return after
 
     def _leave(self, rays: Rays, order: int, resolved: bool = True) -> Light:
-        w = self.stretch.to_world(rays.d)
-        return Light(order, w, rays.weight, rays.inside, rays.sequence, resolved)
+        return Light(order, self._in_world(rays), rays.weight, rays.inside, rays.sequence, resolved)
+
+    def _in_world(self, rays: Rays) -> Array:
+        d = rays.d if rays.view is None else to_view(rays.d, rays.view)
+        return self.stretch.to_world(d)
+
+
+def _below(rays: Rays) -> Array | None:
+    """Who is on the mesh's lower side, (n,); None: nobody."""
+    if rays.view is None:
+        return rays.inside
+    flipped = upside_down(rays.view)
+    return flipped if rays.inside is None else flipped ^ rays.inside
 
 
 def morton(curve: Array) -> Array:

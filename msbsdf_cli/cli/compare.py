@@ -1,6 +1,8 @@
 """`msbsdf compare`"""
 
+from collections.abc import Callable
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +22,7 @@ from msbsdf_cli.cli.options import (
 @click.command("compare")
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
 @use(*MODEL_OF_SURFACES, "orders", "method")
-@samples("2e6")
+@samples("1e6")
 @use(*RESOLUTION, "mesh", "max-order", *FREE_PATH, "seed", "threads", "precision", *REPORT)
 def command(runs: tuple[str, ...], **options: Any) -> None:
     """Hold the Smith model against explicit surfaces: free paths and lobes.
@@ -31,6 +33,7 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     """
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
+    from msbsdf_cli.run.executors import do_all
 
     if len(runs) > 2:
         raise click.UsageError(f"{len(runs)} reports are given; two are compared.")
@@ -43,9 +46,11 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     resolution = prepare(scene, options, handed, report)
     with report.draft() as draft:
         work = scene, resolution, free_paths, options
-        simulated = handed.get("simulate") or simulated_run(draft, *work)
-        models = modelled(draft, scene, free_paths, options, handed)
-        rows = write(report, draft, simulated, models)
+        pictures: list[Callable[[], None]] = []
+        simulated = handed.get("simulate") or simulated_run(draft, *work, pictures)
+        models = modelled(draft, scene, free_paths, options, handed, pictures)
+        rows = write(report, draft, simulated, models, pictures)
+        do_all(pictures, options["threads"])
 
     def show() -> None:
         show_rows(rows)
@@ -164,19 +169,29 @@ def method_work_s(scene: Any, options: dict[str, Any]) -> float:
 
 
 def simulated_run(
-    draft: Path, scene: Any, resolution: Any, free_paths: Any, options: dict[str, Any]
+    draft: Path,
+    scene: Any,
+    resolution: Any,
+    free_paths: Any,
+    options: dict[str, Any],
+    pictures: list[Callable[[], None]],
 ) -> Any:
-    """Simulate; the report goes into `draft`."""
+    """Simulate; the report goes into `draft`, what draws for it to `pictures`."""
     from msbsdf_cli.cli import simulate
 
     run = simulate.run(scene, resolution, free_paths, options)
-    write_part(draft, run, options)
-    simulate.draw(draft / "simulate", scene, resolution, options)
+    write_part(draft, run, options, pictures)
+    pictures.append(simulate.draw(draft / "simulate", scene, resolution, options))
     return run
 
 
 def modelled(
-    draft: Path, scene: Any, free_paths: Any, options: dict[str, Any], handed: dict[str, Any]
+    draft: Path,
+    scene: Any,
+    free_paths: Any,
+    options: dict[str, Any],
+    handed: dict[str, Any],
+    pictures: list[Callable[[], None]],
 ) -> list[Any]:
     """Light of the walk, or of the methods wanted; the report of a walk made goes into `draft`."""
     from msbsdf_cli.cli import walk
@@ -188,20 +203,26 @@ def modelled(
         return method_lobes(scene, options["method"], *(options[name] for name in names))
     if "walk" in handed:
         return [handed["walk"].lobes()]
-    return [write_part(draft, walk.run(scene, free_paths, options), options)]
+    return [write_part(draft, walk.run(scene, free_paths, options), options, pictures)]
 
 
-def write_part(draft: Path, run: Any, options: dict[str, Any]) -> Any:
+def write_part(
+    draft: Path, run: Any, options: dict[str, Any], pictures: list[Callable[[], None]]
+) -> Any:
     """The report of a run within this one; the light that left."""
     from msbsdf_cli.cli.report import Part
     from msbsdf_cli.cli.runs import write_run
 
     place = draft / run.kind
     place.mkdir()
-    return write_run(Part(run.kind, options), place, run)
+    lobes, mine = write_run(Part(run.kind, options), place, run)
+    pictures += mine
+    return lobes
 
 
-def write(report: Any, draft: Path, run: Any, models: list[Any]) -> list[Any]:
+def write(
+    report: Any, draft: Path, run: Any, models: list[Any], pictures: list[Callable[[], None]]
+) -> list[Any]:
     """Compare, and write the report into `draft`; the rows of agreement.csv."""
     from msbsdf_cli.cli.runs import summary
     from msbsdf_cli.experiments.compare import Row, agreement
@@ -215,12 +236,13 @@ def write(report: Any, draft: Path, run: Any, models: list[Any]) -> list[Any]:
         rows += mine
         sentences.append(in_one_sentence(mine))
         place = draft if report.options["method"] is None else draft / model.label
-        draw_pair(place, mine, simulated, model)
+        pictures += pictures_of_pair(place, mine, simulated, model)
         if model.free_paths is not None:
-            draw_free_paths(draft / "free_path.png", simulated.free_paths, model.free_paths)
+            pair = simulated.free_paths, model.free_paths
+            pictures.append(partial(draw_free_paths, draft / "free_path.png", *pair))
     if report.options["method"] is not None:
         write_methods(draft, models, report.options)
-        draw_methods(simulated, models, draft)
+        pictures.append(partial(draw_methods, simulated, models, draft))
     table = columns(rows, (f.name for f in fields(Row)))
     figures = run.paths, run.bounces_mean, run.wall_s
     more = {"energies": summary(run), **run.notes, "summary": "\n".join(sentences)}
@@ -228,14 +250,16 @@ def write(report: Any, draft: Path, run: Any, models: list[Any]) -> list[Any]:
     return rows
 
 
-def draw_pair(place: Path, rows: list[Any], simulated: Any, model: Any) -> None:
-    """Pictures of simulated light and a model's."""
+def pictures_of_pair(
+    place: Path, rows: list[Any], simulated: Any, model: Any
+) -> list[Callable[[], None]]:
+    """What draws simulated light and a model's side by side."""
     from msbsdf_cli.plots.agreement import draw_agreement
-    from msbsdf_cli.plots.lobes import draw_lobe_comparison
+    from msbsdf_cli.plots.lobes import lobe_comparison
 
     place.mkdir(exist_ok=True)
-    draw_agreement(rows, place / "agreement.png")
-    draw_lobe_comparison(simulated, model, place)
+    agreement = partial(draw_agreement, rows, place / "agreement.png")
+    return [agreement, *lobe_comparison(simulated, model, place)]
 
 
 def write_methods(draft: Path, models: list[Any], options: dict[str, Any]) -> None:

@@ -1,5 +1,7 @@
 """The reports of both producers of light: written, read, and shown."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -7,10 +9,10 @@ import click
 
 from msbsdf_cli.cli.report import Part
 from msbsdf_cli.cli.terminal import measured, show_table
-from msbsdf_cli.results.lobes import REST, Lobes
+from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.run import Run, load_run
 from msbsdf_cli.results.seal import unsealed
-from msbsdf_cli.statistics.tally import SIDES
+from msbsdf_cli.statistics.tally import REST, SIDES
 
 PRODUCERS = "simulate", "walk"
 """Commands whose reports hold a run."""
@@ -19,8 +21,8 @@ SUMS = "sums.npz"
 """The sums that the tables of a run were made of."""
 
 
-def write_run(report: Part, draft: Path, run: Run) -> Lobes:
-    """Write the report of a run into `draft`; the light that left."""
+def write_run(report: Part, draft: Path, run: Run) -> tuple[Lobes, list[Callable[[], None]]]:
+    """Write the report of a run into `draft`; the light that left, and what draws its pictures."""
     from msbsdf_cli.plots.free_path import draw_free_paths
     from msbsdf_cli.plots.lobes import draw_lobes
     from msbsdf_cli.results.tables import all_tables
@@ -30,9 +32,11 @@ def write_run(report: Part, draft: Path, run: Run) -> Lobes:
     more = {"energies": summary(run)} | run.notes
     report.write(draft, all_tables(run, lobes), *figures, more)
     run.save(draft / SUMS)
-    draw_lobes(lobes, draft)
-    draw_free_paths(draft / "free_path.png", run.free_paths)
-    return lobes
+    pictures: list[Callable[[], None]] = [
+        partial(draw_lobes, lobes, draft),
+        partial(draw_free_paths, draft / "free_path.png", run.free_paths),
+    ]
+    return lobes, pictures
 
 
 def read_run(directory: Path) -> tuple[dict[str, Any], Run]:

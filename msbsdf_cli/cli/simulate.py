@@ -1,6 +1,8 @@
 """`msbsdf simulate`"""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.cli.runs import show_run, write_run
+    from msbsdf_cli.run.executors import do_all
 
     scene = common.scene_from(options)
     free_paths = common.free_paths_from(options, "gaussian")
@@ -39,10 +42,10 @@ def command(**options: Any) -> None:
     report.warn(common.long_warnings(options, work_s(scene, options), work(options)))
     with report.draft() as draft:
         result = run(scene, resolution, free_paths, options)
-        lobes = write_run(report, draft, result)
+        lobes, pictures = write_run(report, draft, result)
         if options["convergence"]:
             write_convergence(draft, scene, options)
-        draw(draft, scene, resolution, options)
+        do_all([*pictures, draw(draft, scene, resolution, options)], options["threads"])
 
     def show() -> None:
         click.echo(
@@ -138,16 +141,16 @@ def run(scene: Any, resolution: Any, free_paths: Any, options: dict[str, Any]) -
     return simulate(*work, *(options[name] for name in names))
 
 
-def draw(draft: Path, scene: Any, resolution: Any, options: dict[str, Any]) -> None:
-    """A picture of the first surface, and the surface itself as a mesh where that is wanted."""
+def draw(draft: Path, scene: Any, resolution: Any, options: dict[str, Any]) -> Callable[[], None]:
+    """What draws the first surface; the surface itself becomes a mesh where that is wanted."""
     from msbsdf_cli.experiments.realisations import realisation
     from msbsdf_cli.plots.surface import draw_surface
 
-    finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))
-    draw_surface(draft, realisation(finer, 0, options["seed"]), scene.alpha)
     if options["mesh"] is not None:
         surface = realisation(resolution, 0, options["seed"])
         write_mesh(Path(options["mesh"]), surface.mesh(*scene.alpha))
+    finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))
+    return partial(draw_surface, draft, realisation(finer, 0, options["seed"]), scene.alpha)
 
 
 def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:

@@ -19,6 +19,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.cli.runs import show_run, write_run
+    from msbsdf_cli.run.executors import do_all
 
     scene = common.scene_from(options)
     free_paths = common.free_paths_from(options, options["heights"])
@@ -27,7 +28,8 @@ def command(**options: Any) -> None:
     report.warn(common.long_warnings(options, work_s(scene, options), work(scene, options)))
     with report.draft() as draft:
         result = run(scene, free_paths, options)
-        lobes = write_run(report, draft, result)
+        lobes, pictures = write_run(report, draft, result)
+        do_all(pictures, options["threads"])
     report.end(lambda: show_run(lobes, result, "walks"))
 
 

@@ -5,16 +5,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msbsdf_cli.experiments.discretisation import COARSER, pairs, squared_errors
+from msbsdf_cli.experiments.control_variates import NUMBER, controls, expected
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.statistics.binning import MERGED, PHI_BINS, THETA_BINS, merge_bins
+from msbsdf_cli.statistics.discretisation import extrapolated, meshes, on_all_meshes
+from msbsdf_cli.statistics.surface_tally import SurfaceLight, SurfaceTally
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
-from surfaces.free_path import next_heights
+from surfaces.free_path import FreePathTracer
 from surfaces.heightfield import all_waves, some_waves, synthesise
 from surfaces.streams import stream
 from surfaces.surface import Surface
@@ -23,6 +25,10 @@ from surfaces.tracing import Tracer
 FREE_PATHS_OF_RAYS = 1 / 16
 """Free paths of a row for each ray of an incident angle."""
 
+
+RAYS_OF_SHARED = 4
+"""Rays of a surface for each that is traced on coarser meshes too: few are enough, as little noise
+is left between two meshes of one field."""
 
 MOST_GROUPS = 16
 """Of surfaces: their scatter is known to a fifth then."""
@@ -55,17 +61,17 @@ class SurfaceJob:
     free_path_edges: tuple[float, ...]
     seed: int
     max_order: int
-    paired: bool = False
-    """Whether to trace the same rays on a coarser mesh of the same field as well."""
+    expected: tuple[Array, ...]
+    """Expected control variates (3,) of each incident angle."""
+    on_all_meshes: bool = False
+    """Whether to trace the same rays on two coarser meshes of the same field as well."""
 
 
 @dataclass
 class SurfaceResult:
-    """One unit for each incident angle, free paths, and what it took."""
+    """The light of each incident angle, free paths, and what it took."""
 
-    tallies: list[Tally]
-    coarser: list[Tally]
-    """What the coarser mesh has more, for each incident angle; none where it was not traced."""
+    light: list[SurfaceLight]
     free_paths: Array
     free_path_weights: Array
     free_path_rays: int
@@ -112,6 +118,7 @@ def simulate(
     """
     started, free_paths = time.monotonic(), wanted.empty()
     rays = -(-samples // resolution.realisations)
+    known = tuple(expected(scene.slopes, scene.wi(theta)) for theta in scene.theta)
     jobs = (
         SurfaceJob(
             scene,
@@ -123,30 +130,27 @@ def simulate(
             tuple(free_paths.edges),
             seed,
             max_order,
-            paired=number < pairs(resolution.realisations),
+            known,
+            on_all_meshes=number < on_all_meshes(resolution.realisations),
         )
         for number in range(resolution.realisations)
     )
-    tallies, coarser = ([Tally(scene.orders) for _ in scene.theta] for _ in range(2))
+    tallies = [SurfaceTally(scene.orders, NUMBER, resolution.extent) for _ in scene.theta]
     groups = LobeGroups(scene, resolution.realisations)
     notes = dict.fromkeys(("embree_s", "surface_s", "trace_s", "rays", "free_paths_lost"), 0.0)
     total = rays * resolution.realisations * len(scene.theta)
     with Progress("simulate", total, "rays", quiet) as progress:
         for result in map_ordered(trace_surface, jobs, workers):
-            for tally, unit in zip(tallies, result.tallies, strict=True):
-                tally.merge(unit)
-            groups.add(result.tallies)
-            for more, unit in zip(coarser, result.coarser, strict=False):
-                more.merge(unit)
+            for tally, light in zip(tallies, result.light, strict=True):
+                tally.add_surface(light)
+            groups.add([light.unit for light in result.light])
             free_paths.add_unit(result.free_paths, result.free_path_weights, result.free_path_rays)
             for name in notes:
                 notes[name] += getattr(result, name)
             progress.advance(rays * len(scene.theta))
-    for tally, more in zip(tallies, coarser, strict=True):
-        tally.systematic = squared_errors(tally, more, resolution.extent)
     wall_s = time.monotonic() - started
-    light = tallies, free_paths, "gaussian", groups.lobes()
-    return Run("simulate", scene, *light, wall_s, notes)
+    what = list[Tally](tallies), free_paths, "gaussian", groups.lobes()
+    return Run("simulate", scene, *what, wall_s, notes)
 
 
 class LobeGroups:
@@ -184,37 +188,58 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     surface.query(np.zeros((3, 1)), np.ones((3, 1)))  # Embree builds in its first call.
     ready = time.perf_counter()
     surface.rays, surface.embree_s = 0, 0.0
-    tracer = Tracer(surface, surface.stretch(*scene.alpha, scene.phi), scene.material)
-    units = _units(job, tracer)
+    tracer = _tracer(scene, surface)
+    shared = _shared_rays(job)
+    units = _units(job, tracer, (shared, job.rays - shared))
     traced = time.perf_counter()
     rays, embree_s = surface.rays, surface.embree_s
     n = max(round(job.rays * FREE_PATHS_OF_RAYS), 1)
     shares, weights, lost = _free_paths(job, tracer, n)
-    coarser = _coarser(job, units) if job.paired else []
+    light = [
+        SurfaceLight(unit, controls(surface, tracer.stretch, scene.wi(theta)) - known)
+        for (_, unit), theta, known in zip(units, scene.theta, job.expected, strict=True)
+    ]
+    if job.on_all_meshes:
+        _add_coarser(job, light, [unit for unit, _ in units])
     return SurfaceResult(
-        units, coarser, shares, weights, n, rays, embree_s, ready - started, traced - ready, lost
+        light, shares, weights, n, rays, embree_s, ready - started, traced - ready, lost
     )
 
 
-def _units(job: SurfaceJob, tracer: Tracer) -> list[Tally]:
-    """Light of all incident angles on one surface, as one unit for each."""
+def _tracer(scene: Scene, surface: Surface) -> Tracer:
+    stretch = surface.stretch(*scene.alpha, scene.phi)
+    return Tracer(surface, stretch, scene.material, all_views=True)
+
+
+def _shared_rays(job: SurfaceJob) -> int:
+    """How many rays are traced on the coarser meshes as well."""
+    return -(-job.rays // RAYS_OF_SHARED) if job.on_all_meshes else job.rays
+
+
+def _units(job: SurfaceJob, tracer: Tracer, parts: tuple[int, ...]) -> list[list[Tally]]:
+    """Light of each incident angle on one surface, as units: of the first part of the rays, of the
+    first and the second, ..."""
     units = []
     for i, theta in enumerate(job.scene.theta):
         rng = stream(job.seed, "rays", job.number, i)
-        tally = Tally(job.scene.orders, independent=False)
-        for light in tracer.trace(job.scene.wi(theta), job.rays, rng, job.max_order):
-            tally.add(light)
-        units.append(tally.as_unit())
+        tally, found = Tally(job.scene.orders, independent=False), []
+        for rays in parts:
+            for light in tracer.trace(job.scene.wi(theta), rays, rng, job.max_order):
+                tally.add(light)
+            found.append(tally.as_unit())
+        units.append(found)
     return units
 
 
-def _coarser(job: SurfaceJob, units: list[Tally]) -> list[Tally]:
-    """What the same rays on a coarser mesh of the same field give more than `units`."""
-    scene, resolution = job.scene, job.resolution
-    coarser = replace(resolution, cells=resolution.cells // COARSER)
-    surface = realisation(coarser, job.number, job.seed)
-    tracer = Tracer(surface, surface.stretch(*scene.alpha, scene.phi), scene.material)
-    return [c.less(unit) for c, unit in zip(_units(job, tracer), units, strict=True)]
+def _add_coarser(job: SurfaceJob, light: list[SurfaceLight], fine: list[Tally]) -> None:
+    """What the rays of `fine` tell on the two coarser meshes of the same field."""
+    cells = job.resolution.cells
+    coarser = []
+    for some in meshes(cells):
+        surface = realisation(replace(job.resolution, cells=some), job.number, job.seed)
+        coarser.append(_units(job, _tracer(job.scene, surface), (_shared_rays(job),)))
+    for mine, unit, (middle,), (coarse,) in zip(light, fine, *coarser, strict=True):
+        mine.more, mine.doubt = extrapolated(cells, unit, middle, coarse)
 
 
 def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, int]:
@@ -223,13 +248,15 @@ def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, 
     edges = np.array(job.free_path_edges)
     rows = len(job.free_path_theta), len(job.free_path_starts)
     shares, weights, lost = np.zeros((*rows, edges.size)), np.zeros(rows), 0
+    paths_of = FreePathTracer(tracer.surface, tracer.stretch).next_heights
     for i, theta in enumerate(job.free_path_theta):
         d = direction(theta, job.scene.phi)
         for j, start in enumerate(job.free_path_starts):
-            paths = next_heights(tracer.surface, tracer.stretch, d, start, n, rng)
-            shares[i, j, :-1] = np.histogram(paths.heights, edges)[0]
+            paths = paths_of(d, start, n, rng)
+            shares[i, j, :-1] = np.histogram(paths.heights, edges, weights=paths.shares)[0]
             shares[i, j, -1] = paths.escaped
-            shares[i, j] /= max(paths.heights.size + paths.escaped, 1)
+            # Without those that were lost.
+            shares[i, j] /= (paths.shares.sum() + paths.escaped) or 1
             weights[i, j] = paths.weight
             lost += paths.lost
     return shares, weights, lost

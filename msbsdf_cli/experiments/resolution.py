@@ -8,10 +8,10 @@ sends to a second facet: where that is nothing, a mesh of any fineness gives the
 
 import math
 
-from msbsdf_cli.experiments.discretisation import PERIOD
 from msbsdf_cli.experiments.realisations import Resolution
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.walk import random_walk
+from msbsdf_cli.statistics.discretisation import PERIOD
 from surfaces.materials import Conductor, Material
 from surfaces.streams import stream
 
@@ -41,7 +41,7 @@ def plan(
         extent = max(LEAST_EXTENT, math.ceil(math.sqrt(2 * PERIOD * any_multiple / accuracy)))
     if realisations is None:
         # Which facet lets light through is decided at grazing by few high places.
-        spread = 0.8 if scene.material.transmits else 0.4
+        spread = 0.3 if scene.material.transmits else 0.17
         deviation = spread * math.sqrt(share) / extent
         realisations = max(LEAST_REALISATIONS, math.ceil((deviation / accuracy) ** 2))
     return Resolution(cells, extent, realisations, waves)

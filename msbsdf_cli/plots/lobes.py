@@ -1,6 +1,8 @@
 """Pictures of lobes: the plane of incidence and hemisphere maps."""
 
 import math
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -37,9 +39,18 @@ def draw_lobes(lobes: Lobes, directory: Path) -> None:
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
 
 
-def draw_lobe_comparison(simulated: Lobes, modelled: Lobes, directory: Path) -> None:
-    """lobes.png: all orders together, and a page for each angle with a map for each order, into
-    `directory`."""
+def lobe_comparison(simulated: Lobes, modelled: Lobes, directory: Path) -> list[Callable[[], None]]:
+    """What draws lobes.png, all orders together, and a page for each angle with a map for each
+    order, into `directory`."""
+    pair = simulated, modelled
+    pages = [directory / f"lobes_theta_{theta:.4g}.png" for theta in simulated.theta]
+    return [
+        partial(_draw_all_orders, *pair, directory),
+        *(partial(_draw_orders, *pair, row, page) for row, page in enumerate(pages)),
+    ]
+
+
+def _draw_all_orders(simulated: Lobes, modelled: Lobes, directory: Path) -> None:
     for side in range(len(simulated.sides)):
         figure, axes = _grid(len(simulated.theta), 3)
         for row in range(len(simulated.theta)):
@@ -49,8 +60,6 @@ def draw_lobe_comparison(simulated: Lobes, modelled: Lobes, directory: Path) -> 
         handles = _legend(simulated.names)
         figure.legend(handles=handles, loc="upper left", ncols=len(handles), columnspacing=1)
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
-    for row, theta in enumerate(simulated.theta):
-        _draw_orders(simulated, modelled, row, directory / f"lobes_theta_{theta:.4g}.png")
 
 
 def draw_methods(simulated: Lobes, modelled: list[Lobes], directory: Path) -> None:

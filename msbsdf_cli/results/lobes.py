@@ -7,11 +7,8 @@ import numpy as np
 
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes
-from msbsdf_cli.statistics.tally import SIDES, Estimate, Tally
+from msbsdf_cli.statistics.tally import REST, SIDES, Estimate, Tally
 from surfaces.facet import Array
-
-REST = ("absorbed", "unresolved")
-"""What else becomes of light than that it leaves."""
 
 
 def order_names(orders: int) -> list[str]:

@@ -4,12 +4,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from msbsdf_cli.results import npz
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.lobes import Lobes, lobes_of
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.statistics.surface_tally import SurfaceTally
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 
@@ -52,19 +51,18 @@ class Run:
     def save(self, path: str | Path) -> None:
         """Write the sums to an .npz file."""
         paths = self.free_paths
-        counts = [[getattr(t, name) for name in COUNTS] for t in self.tallies]
         about = {name: getattr(self, name) for name in ("kind", "heights", "wall_s", "notes")}
         about |= {"scene": self.scene.settings(), "rays": paths.rays}
         about |= {"free_path_theta": paths.theta, "free_path_starts": paths.starts}
         arrays = {f"free_path_{name}": getattr(paths, name) for name in FREE_PATH}
-        arrays["counts"] = np.array(counts, np.int64)
-        arrays["sums"] = np.array([[*t.sums, t.systematic] for t in self.tallies])
+        for i, tally in enumerate(self.tallies):
+            arrays |= {f"light_{i}_{name}": array for name, array in tally.arrays().items()}
+            about |= {"extent": tally.extent} if isinstance(tally, SurfaceTally) else {}
         if self.lobe_groups is not None:
             arrays["lobe_groups"] = self.lobe_groups
         npz.write(path, FORMAT, about, arrays)
 
 
-COUNTS = ("units", "rays", "facets")
 FREE_PATH = ("edges", "sums", "weights", "units")
 
 
@@ -79,14 +77,7 @@ def load_run(path: str | Path) -> Run:
 
 def _run(about: dict[str, Any], arrays: dict[str, Array]) -> Run:
     scene = Scene.of(about["scene"])
-    tallies = []
-    for counts, sums in zip(arrays["counts"], arrays["sums"], strict=True):
-        tally = Tally(scene.orders)
-        tally.sums[:], tally.systematic[:] = sums[:2], sums[2]
-        tally.units, tally.rays, tally.facets = counts.tolist()
-        tallies.append(tally)
-    if len(tallies) != len(scene.theta):
-        raise ValueError("its sums do not fit its scene")
+    tallies = [_tally(scene.orders, i, about, arrays) for i in range(len(scene.theta))]
     paths = FreePaths(
         tuple(about["free_path_theta"]), tuple(about["free_path_starts"]), arrays["free_path_edges"]
     )
@@ -95,3 +86,13 @@ def _run(about: dict[str, Any], arrays: dict[str, Array]) -> Run:
     paths.rays = int(about["rays"])
     light = about["kind"], scene, tallies, paths, about["heights"], arrays.get("lobe_groups")
     return Run(*light, about["wall_s"], about["notes"])
+
+
+def _tally(orders: int, angle: int, about: dict[str, Any], arrays: dict[str, Array]) -> Tally:
+    start = f"light_{angle}_"
+    mine = {name.removeprefix(start): a for name, a in arrays.items() if name.startswith(start)}
+    tally = Tally(orders)
+    if about["kind"] == "simulate":
+        tally = SurfaceTally(orders, len(mine["products"]), int(about["extent"]))
+    tally.restore(mine)
+    return tally

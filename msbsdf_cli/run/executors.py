@@ -61,6 +61,16 @@ def map_ordered(
         yield from _window(pool, work, chain(first, jobs), AHEAD * workers, deque())
 
 
+def do_all(tasks: Iterable[Callable[[], None]], workers: Workers) -> None:
+    """Do what has no result, such as draw pictures."""
+    for _ in map_ordered(_call, tasks, workers):
+        pass
+
+
+def _call(task: Callable[[], None]) -> None:
+    task()
+
+
 def _window(
     executor: Executor,
     work: Callable[[Job], Result],

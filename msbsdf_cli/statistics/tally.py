@@ -19,6 +19,8 @@ BINS = THETA_BINS * PHI_BINS
 
 MOMENTS = ("x", "y", "z", "xx", "yy", "zz")
 SIDES = ("reflected", "transmitted")
+REST = ("absorbed", "unresolved")
+"""What else becomes of light than that it leaves."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,6 @@ class Tally:
         }
         size = sum(int(np.prod(shape)) for shape in self._shapes.values())
         self.sums = np.zeros((2, size))
-        self.systematic = np.zeros(size)
-        """Squares of errors that more units would not make smaller, as `sums`."""
         self._sum, self._square = (self.views(row) for row in self.sums)
 
     def views(self, row: Array) -> dict[str, Array]:
@@ -117,13 +117,13 @@ class Tally:
         unit.units, unit.rays, unit.facets = 1, self.rays, self.facets
         return unit
 
-    def less(self, other: "Tally") -> "Tally":
-        """What one unit has more than another of the same light, as a unit."""
-        apart = Tally(self.orders)
-        apart.sums[0] = self.sums[0] - other.sums[0]
-        apart.sums[1] = apart.sums[0] ** 2
-        apart.units, apart.rays = 1, self.rays
-        return apart
+    def combined(self, factor: float, others: list[tuple[float, "Tally"]]) -> "Tally":
+        """A unit of the factors times the figures of this unit and of others of the same rays."""
+        unit = Tally(self.orders)
+        unit.sums[0] = factor * self.sums[0] + sum(f * other.sums[0] for f, other in others)
+        unit.sums[1] = unit.sums[0] ** 2
+        unit.units, unit.rays = 1, self.rays
+        return unit
 
     def merge(self, other: "Tally") -> None:
         """Take in another tally's units."""
@@ -132,18 +132,37 @@ class Tally:
         self.rays += other.rays
         self.facets += other.facets
 
+    def arrays(self) -> dict[str, Array]:
+        """All that it holds, to be saved."""
+        return {"counts": np.array([self.units, self.rays, self.facets]), "sums": self.sums}
+
+    def restore(self, arrays: dict[str, Array]) -> None:
+        """Take in what `arrays` gave. Raises KeyError or ValueError where it does not fit."""
+        self.units, self.rays, self.facets = arrays["counts"].tolist()
+        self.sums[:] = arrays["sums"]
+
     def estimate(self, name: str) -> Estimate:
-        """Mean over units and its standard error, with what is `systematic` in it, for one of
-        `energy` (orders + 1, sides), `side` (sides), `moments` (orders + 1, sides, 6), `lobe`
-        (orders + 1, sides, bins), `sequence` (codes, sides), `absorbed`, `unresolved` (scalars).
+        """Mean over units and its standard error, for one of `energy` (orders + 1, sides), `side`
+        (sides), `moments` (orders + 1, sides, 6), `lobe` (orders + 1, sides, bins), `sequence`
+        (codes, sides), `absorbed`, `unresolved` (scalars).
         """
-        mean = self._sum[name] / self.units
-        spread = np.maximum(self._square[name] / self.units - mean * mean, 0)
-        # Never having seen something in n rays leaves it uncertain by 1 / n.
-        unseen = 1 / self.rays**2 if mean.ndim else 0.0
+        value, variance = (self.views(row)[name] for row in self.figures())
+        return Estimate(value, np.sqrt(variance))
+
+    def figures(self) -> tuple[Array, Array]:
+        """Means of all figures over units, and their squared standard errors: rows for `views`."""
+        mean = self.sums[0] / self.units
+        spread = np.maximum(self.sums[1] / self.units - mean * mean, 0)
         with np.errstate(divide="ignore"):
             variance = np.divide(spread, self.units - 1) if self.units > 1 else np.inf + spread
-        return Estimate(mean, np.sqrt(variance + unseen + self.views(self.systematic)[name]))
+        return mean, variance + self.unseen()
+
+    def unseen(self) -> Array:
+        """Squared errors of never having seen something: in n rays 1 / n."""
+        squares = np.full(self.sums.shape[1], 1 / self.rays**2)
+        for name in REST:
+            self.views(squares)[name][...] = 0
+        return squares
 
 
 def _sums(w: Array, share: Array | None, below: Array | None, power: int) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msbsdf_cli.experiments.control_variates import expected
 from msbsdf_cli.experiments.realisations import Resolution, SurfaceJob, trace_surface
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.run.executors import Workers, map_ordered
@@ -64,14 +65,15 @@ def trace_surfaces(
 ) -> SurfaceReference:
     """`samples` rays for each incident angle, spread over the realisations."""
     rays = -(-samples // resolution.realisations)
+    known = tuple(expected(scene.slopes, scene.wi(theta)) for theta in scene.theta)
     jobs = (
-        SurfaceJob(scene, resolution, number, rays, (), (), (0.0, 1.0), seed, 10_000)
+        SurfaceJob(scene, resolution, number, rays, (), (), (0.0, 1.0), seed, 10_000, known)
         for number in range(resolution.realisations)
     )
     units, surface_s, trace_s = [], [], []
     with Progress("surfaces", resolution.realisations, "surfaces", quiet) as progress:
         for result in map_ordered(trace_surface, jobs, workers):
-            lobes = [t.estimate("lobe").value.sum(axis=0) for t in result.tallies]
+            lobes = [mine.unit.estimate("lobe").value.sum(axis=0) for mine in result.light]
             units.append([merge_sides(lobe) for lobe in lobes])
             surface_s.append(result.surface_s)
             trace_s.append(result.trace_s / len(scene.theta))
