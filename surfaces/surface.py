@@ -6,7 +6,7 @@ serves every roughness: `Surface.stretch` turns directions into them.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -69,20 +69,6 @@ class Surface:
     def _grid(self) -> Array:
         return np.pad(self.heights, ((MARGIN, MARGIN + 1), (MARGIN, MARGIN + 1)), mode="wrap")
 
-    def faces(self, rows: int) -> Array:
-        """Vertex numbers (2 (rows - 1)^2, 3) of the triangles of a square grid of `rows` points.
-
-        The diagonals alternate like the fields of a chessboard, since a diagonal that always ran
-        the same way would make slopes along x and y correlate.
-        """
-        i, j = np.divmod(np.arange((rows - 1) ** 2, dtype=np.int32), np.int32(rows - 1))
-        corner = i * rows + j
-        odd = (i + j) & 1
-        faces = np.empty((corner.size, 2, 3), np.int32)
-        faces[:, 0] = np.stack([corner, corner + rows, corner + rows + 1 - rows * odd], 1)
-        faces[:, 1] = np.stack([corner + rows * odd, corner + rows + 1, corner + 1], 1)
-        return faces.reshape(-1, 3)
-
     @cached_property
     def planes(self) -> Array:
         """Planes (triangles, 3) of the triangles: z = plane[0] + plane[1] u + plane[2] v."""
@@ -117,7 +103,7 @@ class Surface:
         i, j = np.divmod(np.arange(rows * rows), rows)
         within = (np.minimum(i, j) >= MARGIN) & (np.maximum(i, j) < rows - MARGIN)
         chosen = np.repeat(within, 2)
-        vertex = self.faces(rows + 1)[chosen]
+        vertex = faces(rows + 1)[chosen]
         u, v = np.divmod(vertex, rows + 1)
         corners = np.stack([u - MARGIN, v - MARGIN, self._grid.ravel()[vertex]])
         planes = self.planes[chosen].T
@@ -145,7 +131,7 @@ class Surface:
         vertices[..., 0], vertices[..., 1], vertices[..., 2] = axis[:, None], axis, h
         # `robust`: rays along the lines of the mesh slip through otherwise.
         scene = EmbreeScene(robust=True)
-        TriangleMesh(scene, vertices.reshape(-1, 3), self.faces(rows))
+        TriangleMesh(scene, vertices.reshape(-1, 3), _boxed_faces(rows))
         return scene
 
     def query(self, o: Array, d: Array) -> Array:
@@ -169,4 +155,30 @@ class Surface:
         axis = np.arange(len(h), dtype=float)
         u, v = np.meshgrid(axis, axis, indexing="ij")
         vertices = self.stretch(alpha_x, alpha_y).to_world(np.stack([u, v, h]).reshape(3, -1))
-        return trimesh.Trimesh(vertices.T, self.faces(len(h)), process=False, validate=False)
+        return trimesh.Trimesh(vertices.T, faces(len(h)), process=False, validate=False)
+
+
+def faces(rows: int) -> Array:
+    """Vertex numbers (2 (rows - 1)^2, 3) of the triangles of a square grid of `rows` points.
+
+    The diagonals alternate like the fields of a chessboard, since a diagonal that always ran the
+    same way would make slopes along x and y correlate.
+    """
+    i, j = np.divmod(np.arange((rows - 1) ** 2, dtype=np.int32), np.int32(rows - 1))
+    corner = i * rows + j
+    odd = (i + j) & 1
+    found = np.empty((corner.size, 2, 3), np.int32)
+    found[:, 0] = np.stack([corner, corner + rows, corner + rows + 1 - rows * odd], 1)
+    found[:, 1] = np.stack([corner + rows * odd, corner + rows + 1, corner + 1], 1)
+    return found.reshape(-1, 3)
+
+
+@lru_cache(maxsize=3)
+def _boxed_faces(rows: int) -> Array:
+    """`faces` as Python's integers, kept for all surfaces of a size.
+
+    Embree's binding takes numbers one by one, which costs most of making a surface, and a quarter
+    less where none has to be made into an object first.
+    """
+    numbers: Array = np.arange(rows * rows).astype(object)[faces(rows)]
+    return numbers

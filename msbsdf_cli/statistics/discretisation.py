@@ -37,7 +37,7 @@ def on_all_meshes(realisations: int) -> int:
 
 def meshes(cells: int) -> tuple[int, int]:
     """Cells of the two coarser meshes."""
-    return cells // COARSER, max(cells // COARSER**2, 1)
+    return max(cells // COARSER, 1), max(cells // COARSER**2, 1)
 
 
 def extrapolated(cells: int, fine: Tally, middle: Tally, coarse: Tally) -> tuple[Tally, Tally]:
