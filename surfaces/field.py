@@ -75,7 +75,9 @@ class HeightField:
     @cached_property
     def surface(self) -> Surface:
         """The mesh to trace on, heights in standard deviations."""
-        return Surface(self.heights / self._scale, 1)
+        heights = self.heights / self._scale
+        # A mesh wants an even number of cells; two periods are as good as one.
+        return Surface(np.tile(heights, (2, 2)) if len(heights) % 2 else heights, 1)
 
     def stretch(self, phi: float) -> Stretch:
         """From the world to the mesh's grid, for light of azimuth `phi`."""

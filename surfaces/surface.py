@@ -26,7 +26,10 @@ MARGIN = 1
 
 @dataclass
 class Surface:
-    """A periodic heightfield, heights (n, n) over `cells` cells a correlation length."""
+    """A periodic heightfield, heights (n, n) over `cells` cells a correlation length.
+
+    Raises ValueError where n is odd: the triangles of both ends would not fit together.
+    """
 
     heights: Array
     cells: int
@@ -35,6 +38,8 @@ class Surface:
     embree_s: float = 0.0
 
     def __post_init__(self) -> None:
+        if self.period % 2:
+            raise ValueError(f"a period of {self.period} cells is odd: an even number is wanted.")
         # Embree's precision, so that its triangles and the planes below are the same.
         self.heights = self.heights.astype(np.float32).astype(np.float64)
 

@@ -234,12 +234,13 @@ def _units(job: SurfaceJob, tracer: Tracer, parts: tuple[int, ...]) -> list[list
 def _add_coarser(job: SurfaceJob, light: list[SurfaceLight], fine: list[Tally]) -> None:
     """What the rays of `fine` tell on the two coarser meshes of the same field."""
     cells = job.resolution.cells
+    fewer = meshes(cells, job.resolution.extent)
     coarser = []
-    for some in meshes(cells):
+    for some in fewer:
         surface = realisation(replace(job.resolution, cells=some), job.number, job.seed)
         coarser.append(_units(job, _tracer(job.scene, surface), (_shared_rays(job),)))
     for mine, unit, (middle,), (coarse,) in zip(light, fine, *coarser, strict=True):
-        mine.more, mine.doubt = extrapolated(cells, unit, middle, coarse)
+        mine.more, mine.doubt = extrapolated((cells, *fewer), unit, middle, coarse)
 
 
 def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, int]:

@@ -11,7 +11,7 @@ import math
 from msbsdf_cli.experiments.realisations import Resolution
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.walk import random_walk
-from msbsdf_cli.statistics.discretisation import PERIOD
+from msbsdf_cli.statistics.discretisation import moved_by_period
 from surfaces.materials import Conductor, Material
 from surfaces.streams import stream
 
@@ -38,7 +38,9 @@ def plan(
         per_cell2 = 0.25 * share + 0.03 * any_multiple
         cells = max(LEAST_CELLS, 2 * math.ceil(math.sqrt(2 * per_cell2 / accuracy) / 2))
     if extent is None:
-        extent = max(LEAST_EXTENT, math.ceil(math.sqrt(2 * PERIOD * any_multiple / accuracy)))
+        extent = LEAST_EXTENT
+        while 2 * moved_by_period(extent) * any_multiple > accuracy:
+            extent += 2
     if realisations is None:
         # Which facet lets light through is decided at grazing by few high places.
         spread = 0.3 if scene.material.transmits else 0.17

@@ -20,16 +20,18 @@ def unit(first):
 @pytest.mark.parametrize("cells", [8, 12, 16])
 def test_errors_that_fall_with_the_square_of_the_cells_are_taken_off(cells):
     """The energy of order 1 is .5 and what a mesh does to it."""
-    there = [unit(0.5 + 0.02 * (8 / c) ** 2) for c in (cells, *meshes(cells))]
-    more, doubt = extrapolated(cells, *there)
+    there = [unit(0.5 + 0.02 * (8 / c) ** 2) for c in (cells, *meshes(cells, 12))]
+    more, doubt = extrapolated((cells, *meshes(cells, 12)), *there)
     value = there[0].sums[0] + more.sums[0]
     # Light is counted in thousandths.
     assert there[0].views(value)["energy"][0, 0] == pytest.approx(0.5, abs=2e-3)
     assert there[0].views(doubt.sums[0])["energy"][0, 0] == pytest.approx(0, abs=4e-3)
 
 
-def test_of_one_cell_there_is_no_coarser_mesh():
-    more, _ = extrapolated(1, unit(0.5), unit(0.4), unit(0.3))
+def test_periods_have_an_even_number_of_cells():
+    assert [meshes(cells, 12) for cells in (4, 16, 18)] == [(2, 1), (8, 4), (9, 4)]
+    assert [meshes(cells, 13) for cells in (4, 16, 18)] == [(2, 2), (8, 4), (8, 4)]
+    more, _ = extrapolated((2, 2, 2), unit(0.5), unit(0.5), unit(0.5))
     assert not more.sums.any()
 
 
@@ -44,7 +46,7 @@ def test_the_stated_error_is_the_step_where_the_law_holds_and_up_to_three_where_
     total, more, doubt = (Tally(2) for _ in range(3))
     for _ in range(10):
         there = [unit(e) for e in energies]
-        step, off = extrapolated(16, *there)
+        step, off = extrapolated((16, 8, 4), *there)
         total.merge(there[0])
         more.merge(step)
         doubt.merge(off)

@@ -3,6 +3,7 @@ import pytest
 
 from msbsdf_cli.smith.slopes import Beckmann, Lambda
 from msbsdf_cli.statistics.tally import Tally
+from surfaces.field import HeightField
 from surfaces.free_path import FreePathTracer, Level
 from surfaces.heightfield import all_waves, synthesise
 from surfaces.materials import Conductor, Dielectric, Diffuse
@@ -185,6 +186,21 @@ def turned(surface, view):
         i, j = -j, i
     side = 1 if view < 4 else -1
     return Surface(side * surface.heights[i % n, j % n], surface.cells)
+
+
+def test_a_field_of_an_odd_number_of_points_has_no_seam():
+    """Triangles of an odd mesh would not fit where one period ends and the next begins, and light
+    would be lost there."""
+    heights = synthesise(all_waves(5, np.random.default_rng(1)), 5, 5)
+    assert len(heights) == 25
+    with pytest.raises(ValueError, match="odd"):
+        Surface(heights, 5)
+    field = HeightField(heights, (0.4, 0.4))
+    tally = Tally(4)
+    tracer = Tracer(field.surface, field.stretch(0.3), Conductor())
+    for light in tracer.trace(incident(1.0, 0.3), 20_000, np.random.default_rng(2), 1000):
+        tally.add(light)
+    assert tally.estimate("unresolved").value == 0
 
 
 @pytest.mark.parametrize("material", [Conductor(), Dielectric(1.5)])
