@@ -14,10 +14,9 @@ from msbsdf_cli.cli.options import MODEL, REPORT, RESOLUTION, Count, samples, us
 @click.option(
     "--replicates",
     type=Count(4, most=10_000),
-    default="16",
-    show_default=True,
     metavar="N",
-    help="Independent repetitions of each setting: they tell bias from noise, and time.",
+    help="Independent repetitions of each setting: they tell bias from noise, and time; default: "
+    "16, or down to 6 where so many take long.",
 )
 @click.option(
     "--directions",
@@ -58,6 +57,8 @@ def command(**options: Any) -> None:
 
     scene = common.scene_from(options)
     options["method"] = common.methods_for(scene, options["method"])
+    if options["replicates"] is None:
+        options["replicates"] = affordable(options)
     report = Report("tradeoff", scene.slug(), options)
     report.warn(common.scene_warnings(options))
     report.warn(common.method_warnings([scene], options["method"]))
@@ -164,6 +165,15 @@ SOLVE_GRID_S = 1.5e-2
 
 SETTINGS = 5
 """About how many settings of each method are measured."""
+
+
+def affordable(options: dict[str, Any]) -> int:
+    """Replicates that take `CHART_S`, or the nearest number that says something."""
+    one = work_s(options | {"replicates": 1}) / options["threads"]
+    return max(LEAST_REPLICATES, min(MOST_REPLICATES, int(CHART_S / one)))
+
+
+LEAST_REPLICATES, MOST_REPLICATES, CHART_S = 6, 16, 25
 
 
 def work_s(options: dict[str, Any]) -> float:

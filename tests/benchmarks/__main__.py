@@ -11,6 +11,7 @@ os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 
 import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from time import perf_counter
@@ -18,7 +19,11 @@ from time import perf_counter
 import numpy as np
 
 import msbsdf_cli as ms
+from msbsdf_cli.experiments.realisations import Resolution, simulate
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.results.free_paths import FreePaths
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.statistics.surface_tally import SurfaceTally
 
 RUNS = 5
 WALKS = 400_000
@@ -45,6 +50,12 @@ SOLVED = (
 )
 
 
+SIMULATED = (("conductor", 1.0, 0.0), ("conductor", 0.5, 1.0), ("dielectric", 1.0, 1.5))
+
+RESOLUTION, RAYS = Resolution(16, 16, 96), 3_000_000
+"""Of simulations: 16 cells on 16 correlation lengths, 96 surfaces."""
+
+
 def main() -> None:
     compiler = shutil.which("g++") or shutil.which("c++")
     if compiler is None:
@@ -57,6 +68,11 @@ def main() -> None:
     print("solve, one core: seconds for the energies of all orders, and the error that it states")
     for slopes, material in SOLVED:
         print(solve_line(slopes, material))
+    print("simulate, all cores: energies of orders 1 and 2, their noise after a minute, and what")
+    print("is in doubt of mesh and period")
+    for name, alpha, theta in SIMULATED:
+        print(simulate_line(name, alpha, theta))
+    print(f"compare, no arguments: {compare_s():.1f} s")
 
 
 def compile_walk(compiler: str, directory: Path) -> Path:
@@ -100,6 +116,37 @@ def solve_line(slopes: ms.Beckmann | ms.Ggx, material: object) -> str:
         best, error = min(best, perf_counter() - started), float(energy.error.max())
     alpha = ",".join(f"{a:g}" for a in dict.fromkeys((slopes.alpha_x, slopes.alpha_y)))
     return f"  {slopes.name:9} {material.name:11} {alpha:8}  {best:7.2f} s   +- {error:.1e}"
+
+
+def simulate_line(name: str, alpha: float, theta: float) -> str:
+    scene = Scene(MATERIALS[name], ms.Beckmann(alpha, alpha), (theta,), 0.0)
+    none = FreePaths((), (), np.array([0.0, 1.0]))
+    started = perf_counter()
+    run = simulate(scene, RAYS, RESOLUTION, none, 0, os.cpu_count() or 1, 10_000, True)
+    minutes = (perf_counter() - started) / 60
+    (tally,) = run.tallies
+    assert isinstance(tally, SurfaceTally)
+    value, squares = tally.figures()
+    rows = value, np.sqrt((squares - tally.systematic) * minutes), np.sqrt(tally.systematic)
+    energy, noise, systematic = (tally.views(row)["energy"] for row in rows)
+    found = [
+        f"{side}{order + 1} {energy[order, i]:.4f} +- {noise[order, i]:.1e} +- "
+        f"{systematic[order, i]:.1e}"
+        for i, side in enumerate("rt")
+        for order in range(2)
+        if energy[order, i] > 0.01
+    ]
+    share = run.notes["embree_s"] / run.notes["trace_s"]
+    return f"  {name:11} {alpha:4g} {theta:4g}   {', '.join(found)}   Embree {share:.2f} of tracing"
+
+
+def compare_s() -> float:
+    """Seconds, all of it: imports, pictures and files."""
+    with tempfile.TemporaryDirectory() as directory:
+        command = [sys.executable, "-m", "msbsdf_cli", "compare", "--quiet"]
+        started = perf_counter()
+        subprocess.run([*command, "--out", f"{directory}/report"], check=True)
+        return perf_counter() - started
 
 
 if __name__ == "__main__":

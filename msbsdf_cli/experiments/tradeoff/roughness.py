@@ -4,10 +4,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from msbsdf_cli.experiments.tradeoff.directions import lobe_directions
-from msbsdf_cli.experiments.tradeoff.measuring import RESOLUTIONS, Protocol, Setting, measure
+from msbsdf_cli.experiments.tradeoff.measuring import Protocol, measure
 from msbsdf_cli.experiments.tradeoff.reference import reference
 from msbsdf_cli.experiments.tradeoff.rows import Row, method_rows
 from msbsdf_cli.experiments.tradeoff.scaling import SAMPLES, one_each
+from msbsdf_cli.methods.protocol import UnsupportedError
+from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.scene import Scene
 
 ALPHAS = (0.1, 0.2, 0.5, 1.0)
@@ -31,10 +33,10 @@ def roughness_rows(
     advance: Callable[[float], None] = lambda amount: None,
 ) -> list[Row]:
     """Rows as those of the chart, for all roughnesses and the angles given: walks at the least
-    and at one usual number, and all resolutions of `solve`."""
+    and at one usual number, and one resolution of `solve`."""
     usual = [s for s in one_each(methods) if s.method != "solve"]
     settings = [replace(s, samples=FEW) for s in usual if s.samples] + usual
-    settings += [Setting("solve", resolution=r) for r in RESOLUTIONS if "solve" in methods]
+    settings += [s for s in one_each(methods) if s.method == "solve"]
     directions = min(directions, DIRECTIONS)
     rows = []
     for alpha in ALPHAS:
@@ -44,7 +46,16 @@ def roughness_rows(
         lobes = [lobe_directions(there, theta, directions, protocol.seed) for theta in thetas]
         purpose = f"{protocol.purpose} {alpha}"
         truth = reference(there, lobes, methods, SAMPLES, protocol.seed, purpose)
+        here = [s for s in settings if _holds(s.method, there)]
         few = replace(protocol, replicates=min(protocol.replicates, REPLICATES), purpose=purpose)
-        rows += method_rows(there, measure(there, settings, lobes, few), truth)
+        rows += method_rows(there, measure(there, here, lobes, few), truth)
         advance(1)
     return rows
+
+
+def _holds(method: str, scene: Scene) -> bool:
+    try:
+        METHODS[method].check_supported(scene.slopes, scene.material)
+    except UnsupportedError:
+        return False
+    return True

@@ -20,10 +20,10 @@ from msbsdf_cli.scene import Scene
 from surfaces.streams import stream
 
 ORDERS = (1, 2, 4, 8)
-REPEATS = 5
+REPEATS = 3
 THREAD_PARTS = 8
 """Parts of the work that processes share."""
-THREAD_REPEATS = 3
+THREAD_REPEATS = 2
 SAMPLES = 1024
 """Walks for the runs over orders and roughness."""
 SOLVED = RESOLUTIONS[-2]

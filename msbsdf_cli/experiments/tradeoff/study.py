@@ -23,7 +23,7 @@ from msbsdf_cli.scene import Scene
 
 PAIRS = 8
 """Outgoing directions that are asked for one at a time."""
-PAIR_REPLICATES = 8
+PAIR_REPLICATES = 6
 
 
 @dataclass(frozen=True)
