@@ -29,7 +29,7 @@ def manifest(
     return {
         "command": command,
         "options": options,
-        "seed": options["seed"],
+        "seed": options.get("seed"),
         "versions": versions | {name: version(name) for name in PACKAGES},
         "started": started,
         "wall_s": wall_s,
