@@ -178,7 +178,7 @@ def test_the_sheet_says_what_walks_say():
     later = 1 - np.cumsum(result.energy.sum(axis=1))
     assert [e.tolerance for e in found] == [0.1, 0.01, 0.001]
     for e in found:
-        # 400000 walks know .001 to 5 %, and what is left is a tenth of it from one order to the next.
+        # 400000 walks know .001 to 5 %.
         assert later[e.bounces - 1] < 1.2 * e.tolerance
         assert e.bounces == 1 or later[e.bounces - 2] > 0.8 * e.tolerance
         assert e.error == pytest.approx(later[e.bounces - 1], rel=0.2)
