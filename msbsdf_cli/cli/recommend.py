@@ -26,7 +26,8 @@ def command(**options: Any) -> None:
     SCENE is a TOML file with a [[surface]] for each: name, material, slopes, alpha (a number, or a
     range [LOW, HIGH] where it is textured) or alpha_x and alpha_y, metal, eta_k, albedo or ior,
     angles_deg that matter, weight. `roughness = "perceptual"` at its top says that alpha is its
-    square. Errors are against the Smith model of all bounces.
+    square. Or it is a Mitsuba 3 scene, in a file that ends in .xml. Errors are against the Smith
+    model of all bounces.
     """
     if options["scene"] is None:
         write_sheet(options)
@@ -37,13 +38,16 @@ def command(**options: Any) -> None:
     from msbsdf_cli.plots.recommendation import draw_recommendations
 
     try:
-        surfaces = read_scene(options["scene"])
+        content = read_scene(options["scene"])
     except SceneFileError as error:
         raise click.BadParameter(f"{error}", param_hint="SCENE") from None
     report = Report("recommend", _slug(options["scene"]), options)
+    report.warn([f"{name} is not judged: {reason}." for name, reason in content.left_out])
+    if not content.surfaces:
+        raise click.ClickException(f"{options['scene']} has no surface that can be judged.")
     with report.draft() as draft:
         settings = (options[name] for name in ("tolerance", "threads", "quiet"))
-        found = recommend(surfaces, *settings)
+        found = recommend(content.surfaces, *settings)
         sentences = [sentence(r, options["tolerance"]) for r in found]
         report.warn([s for s, r in zip(sentences, found, strict=True) if r.chosen is None])
         table = rows(found)

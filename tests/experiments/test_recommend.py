@@ -28,7 +28,7 @@ def surface(material=MIRROR, slopes=HALF, theta=(0.0, 1.0)):
 def scene(tmp_path, text):
     path = tmp_path / "scene.toml"
     path.write_text(text)
-    return read_scene(path)
+    return read_scene(path).surfaces
 
 
 def test_a_scene_is_read(tmp_path):

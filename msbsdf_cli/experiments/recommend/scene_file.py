@@ -45,9 +45,27 @@ class SceneSurface:
     weight: float = 1.0
 
 
-def read_scene(path: str | Path) -> list[SceneSurface]:
-    """The surfaces of a TOML file. Raises SceneFileError for what is no scene."""
+@dataclass
+class SceneFile:
+    """What a file holds."""
+
+    surfaces: list[SceneSurface]
+    left_out: list[tuple[str, str]]
+    """Name of what cannot be judged, and why."""
+
+
+def read_scene(path: str | Path) -> SceneFile:
+    """The surfaces of a file, TOML, or XML of Mitsuba where its name says so. Raises SceneFileError
+    for what is no scene."""
     path = Path(path)
+    if path.suffix.lower() == ".xml":
+        from msbsdf_cli.experiments.recommend.mitsuba_scene import read_mitsuba
+
+        return read_mitsuba(path)
+    return SceneFile(_read_toml(path), [])
+
+
+def _read_toml(path: Path) -> list[SceneSurface]:
     try:
         if path.stat().st_size > MOST_BYTES:
             raise SceneFileError(f"{path} is larger than {MOST_BYTES} bytes: no scene is.")

@@ -1,0 +1,140 @@
+"""Mitsuba's scenes: its conventions, what is left out, and hostile files.
+
+Expected figures are those that Mitsuba 3.9.1 shows of the same plugins.
+"""
+
+import pytest
+
+import msbsdf_cli as ms
+from msbsdf_cli.experiments.recommend.scene_file import SceneFileError, read_scene
+from surfaces.materials import Conductor, Dielectric
+
+
+def read(tmp_path, body, name="scene.xml"):
+    path = tmp_path / name
+    path.write_text(f'<scene version="3.0.0">{body}</scene>')
+    return read_scene(path)
+
+
+def only(tmp_path, body):
+    scene = read(tmp_path, body)
+    assert scene.left_out == []
+    (found,) = scene.surfaces
+    return found
+
+
+def test_what_a_scene_does_not_say_is_as_in_mitsuba(tmp_path):
+    metal = only(tmp_path, '<bsdf type="roughconductor" id="m"/>')
+    assert (metal.name, metal.material) == ("m", Conductor())
+    assert metal.slopes == (ms.Beckmann(0.1, 0.1),)
+    glass = only(tmp_path, '<bsdf type="roughdielectric"/>')
+    assert glass.material.ior == pytest.approx(1.50418, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("entry", "material"),
+    [
+        (
+            '<string name="material" value="Au"/>',
+            Conductor(((0.143, 3.983), (0.3753, 2.386), (1.442, 1.603))),
+        ),
+        ('<string name="material" value="none"/>', Conductor()),
+        ('<float name="eta" value="0.2"/><float name="k" value="3"/>', Conductor(((0.2, 3),))),
+        (
+            '<rgb name="eta" value="0.2, 0.3, 1"/><spectrum name="k" value="3"/>',
+            Conductor(((0.2, 3), (0.3, 3), (1, 3))),
+        ),
+    ],
+)
+def test_metals(tmp_path, entry, material):
+    body = f'<bsdf type="roughconductor"><float name="alpha" value="0.3"/>{entry}</bsdf>'
+    found = only(tmp_path, body)
+    assert found.material == material
+    assert found.slopes == (ms.Beckmann(0.3, 0.3),)
+
+
+def test_glass_of_two_roughnesses_in_water(tmp_path):
+    found = only(
+        tmp_path,
+        '<bsdf type="roughdielectric"><string name="distribution" value="ggx"/>'
+        '<float name="alpha_u" value="0.2"/><float name="alpha_v" value="0.4"/>'
+        '<float name="int_ior" value="1.6"/><string name="ext_ior" value="water"/></bsdf>',
+    )
+    assert found.material == Dielectric(1.6 / 1.333)
+    assert found.slopes == (ms.Ggx(0.2, 0.4),)
+
+
+def test_wrapped_and_referenced_surfaces_variables_and_includes(tmp_path):
+    (tmp_path / "parts").mkdir()
+    part = '<default name="a" value="0.9"/><bsdf type="$kind" id="inner"/>'
+    (tmp_path / "parts" / "scene.xml").write_text(f"<scene>{part}</scene>")
+    scene = read(
+        tmp_path,
+        '<default name="a" value="0.4"/><default name="kind" value="roughconductor"/>'
+        '<include filename="parts/scene.xml"/>'
+        '<bsdf type="twosided" id="outer"><bsdf type="bumpmap"><ref id="inner"/></bsdf></bsdf>'
+        '<shape type="shapegroup"><shape type="sphere" id="ball"><bsdf type="mask">'
+        '<bsdf type="roughconductor"><float name="alpha" value="$a"/></bsdf></bsdf></shape>'
+        "</shape>",
+    )
+    assert [(s.name, s.slopes[0].alpha_x) for s in scene.surfaces] == [
+        ("inner", 0.1),
+        ("outer", 0.1),
+        ("ball", 0.4),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ('<bsdf type="diffuse"/>', "no roughness"),
+        ('<bsdf type="roughplastic"/>', "roughplastic is no"),
+        ('<bsdf type="principled"/>', "principled is no"),
+        ('<bsdf type="twosided"/>', "holds no surface"),
+        ('<bsdf type="twosided" id="a"><ref id="a"/></bsdf>', "refers to itself"),
+        (
+            '<bsdf type="roughconductor"><texture name="alpha" type="bitmap"/></bsdf>',
+            "alpha is a texture",
+        ),
+        ('<bsdf type="roughconductor"><float name="alpha" value="x"/></bsdf>', "no number"),
+        ('<bsdf type="roughconductor"><float name="alpha" value="0"/></bsdf>', "above 0"),
+        ('<bsdf type="roughconductor"><string name="material" value="Tin"/></bsdf>', "'Tin'"),
+        ('<bsdf type="roughdielectric"><string name="int_ior" value="jam"/></bsdf>', "'jam'"),
+        (
+            '<bsdf type="roughconductor"><string name="distribution" value="phong"/></bsdf>',
+            "phong",
+        ),
+    ],
+)
+def test_what_cannot_be_judged_is_listed_with_the_reason(tmp_path, body, reason):
+    scene = read(tmp_path, body)
+    assert scene.surfaces == []
+    assert reason in scene.left_out[0][1]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not XML"),
+        ("<scene>", "not XML"),
+        ("<html/>", "no Mitsuba scene"),
+        ("<scene/>", "no bsdf"),
+        ('<!DOCTYPE s [<!ENTITY a "b">]><scene>&a;</scene>', "document type"),
+        ('<scene><include filename="/etc/hostname"/></scene>', "outside"),
+        ('<scene><include filename="../scene.xml"/></scene>', "outside"),
+        ('<scene><include filename="none.xml"/></scene>', "cannot be read"),
+        ('<scene><include filename="scene.xml"/></scene>', "more than"),
+        ('<scene><bsdf type="$who"/></scene>', "no value"),
+    ],
+)
+def test_hostile_and_broken_files_get_a_sentence(tmp_path, text, words):
+    path = tmp_path / "scene.xml"
+    path.write_text(text)
+    with pytest.raises(SceneFileError, match=words):
+        read_scene(path)
+
+
+def test_a_scene_nested_without_end_is_refused(tmp_path):
+    deep = '<bsdf type="twosided">' * 20_000 + "</bsdf>" * 20_000
+    scene = read(tmp_path, deep)
+    assert scene.surfaces == []
