@@ -35,6 +35,7 @@ STREAMS = {
     "stability pilot": "walks that tell how many facets light meets: point",
     "stability directions": "outgoing directions of a point: point, repetition",
     "stability reference": "directions of long walks: point",
+    "export pairs": "directions in which a table is held against what it was made from",
     "slab": "walks to a slab's image: method, roughness, repetition",
 }
 """Name of every stream, and what it serves; the numbers of its place are named after the colon."""

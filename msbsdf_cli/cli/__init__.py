@@ -20,6 +20,7 @@ COMMANDS = {
     "furnace": "Directional albedo of every method; the white sphere.",
     "stability": "Where each method stops working, as a map.",
     "recommend": "The cheapest model that each surface of a scene needs.",
+    "export": "Tables that renderers load: the BSDF of all bounces, and albedos.",
     "tradeoff": "Error against time for every method, on one chart.",
 }
 

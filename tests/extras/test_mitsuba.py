@@ -1,4 +1,4 @@
-"""Scenes as Mitsuba itself reads them. Needs `pip install '.[extras]'`; `.ci/run` has it."""
+"""Scenes as Mitsuba itself reads them. Needs `pip install '.[mitsuba]'`; `.ci/run` has it."""
 
 import numpy as np
 import pytest

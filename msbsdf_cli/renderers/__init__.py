@@ -1,0 +1,1 @@
+"""What takes results into renderers."""
