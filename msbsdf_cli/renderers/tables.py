@@ -22,8 +22,9 @@ from surfaces.streams import stream
 
 SLOPES = ("beckmann", "ggx")
 
-COSINES, AZIMUTHS = 24, 24
-"""Nodes of the table, at the middles of as many even parts of [0, 1] and [0, pi]."""
+COSINES, LEAST_AZIMUTHS, AZIMUTHS_OF_ALPHA = 24, 24, 20
+"""Nodes of the table, at the middles of as many even parts of [0, 1] and [0, pi]: of azimuths more
+where the surface is smooth, in proportion to 1 / alpha, as lobes are narrow."""
 
 PAIRS, LEAST_COSINE = 512, float(np.cos(1.4))
 """Random pairs of directions in which a table is held against what it was made from, and the
@@ -85,6 +86,11 @@ def check(slopes: Slopes, material: Material) -> None:
     Solve.check_supported(slopes, material)
 
 
+def azimuths(slopes: Slopes) -> int:
+    """Nodes in azimuth."""
+    return max(LEAST_AZIMUTHS, int(np.ceil(AZIMUTHS_OF_ALPHA / slopes.alpha_x)))
+
+
 def nodes(count: int) -> Array:
     """Middles of even parts of [0, 1]: where textures have their values."""
     return (np.arange(count) + 0.5) / count
@@ -93,14 +99,14 @@ def nodes(count: int) -> Array:
 def _row(job: tuple[Slopes, Material, int]) -> Array:
     """Values (channels, cosine out, azimuth) for the incident cosine of number k."""
     slopes, material, k = job
-    cos_i, cos_o, phi = nodes(COSINES)[k], nodes(COSINES), np.pi * nodes(AZIMUTHS)
+    cos_i, cos_o, phi = nodes(COSINES)[k], nodes(COSINES), np.pi * nodes(azimuths(slopes))
     wi = np.array([np.sqrt(1 - cos_i**2), 0, cos_i])
     sin_o = np.sqrt(1 - cos_o**2)
     across = (np.outer(sin_o, f(phi)).ravel() for f in (np.cos, np.sin))
-    wo = np.array([*across, np.repeat(cos_o, AZIMUTHS)])
+    wo = np.array([*across, np.repeat(cos_o, phi.size)])
     value = Solve(slopes, material, 1).evaluate(wi, wo).value
     wanted = value[:, 1] if material.specular else value.sum(axis=1)
-    return np.asarray(wanted / wo[2]).reshape(len(value), COSINES, AZIMUTHS)
+    return np.asarray(wanted / wo[2]).reshape(len(value), COSINES, phi.size)
 
 
 def _interpolated(values: Array, places: tuple[Array, ...]) -> Array:
