@@ -36,6 +36,7 @@ STREAMS = {
     "stability directions": "outgoing directions of a point: point, repetition",
     "stability reference": "directions of long walks: point",
     "export pairs": "directions in which a table is held against what it was made from",
+    "without noise": "handed to methods that draw nothing",
     "slab": "walks to a slab's image: method, roughness, repetition",
 }
 """Name of every stream, and what it serves; the numbers of its place are named after the colon."""
@@ -50,6 +51,7 @@ COMMON = {
     "stability timing": "the same work at ordinary roughness and elsewhere",
     "stability directions": "all methods and precisions are judged in the same directions",
     "stability reference": "all methods and precisions are held against the same walks",
+    "without noise": "nothing is drawn from it",
     "lobe directions": "lobes of all incident angles are judged in directions drawn alike",
 }
 """Streams that are drawn more than once on purpose, and why: their differences have less noise."""

@@ -56,7 +56,8 @@ class Table:
         found = _interpolated(self.values, places) * wo[2]
         if self.material.specular:
             single = Single(self.slopes, self.material, 1)
-            found = found + single.evaluate(wi, wo, 1, np.random.default_rng(0)).value[:, 0]
+            rng = stream(0, "without noise")
+            found = found + single.evaluate(wi, wo, 1, rng).value[:, 0]
         return np.asarray(found)
 
 

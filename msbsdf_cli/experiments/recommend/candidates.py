@@ -21,6 +21,7 @@ from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
 from surfaces.quadrature import gauss
+from surfaces.streams import stream
 
 ORDERS = 10
 """Most bounces that are told apart."""
@@ -177,7 +178,8 @@ def _apart(case: Case, methods: list[str]) -> dict[str, tuple[float, float]]:
     for name in methods:
         method, values = METHODS[name](case.slopes, case.material, 1), []
         for (wo, weight), light in zip(rules, known, strict=True):
-            mine = method.evaluate(case.wi, wo, 1, np.random.default_rng(0)).value.sum(axis=1)
+            rng = stream(0, "without noise")
+            mine = method.evaluate(case.wi, wo, 1, rng).value.sum(axis=1)
             apart = (mine - light.value.sum(axis=1)) * weight
             size = np.maximum(np.abs(apart).sum(axis=1) / 2, np.abs(apart.sum(axis=1)))
             values.append(float((size / case.total).max()))
