@@ -10,7 +10,7 @@ from surfaces.facet import Array
 from surfaces.heightfield import all_waves, synthesise
 from surfaces.streams import stream
 from surfaces.stretch import Stretch
-from surfaces.surface import Surface
+from surfaces.surface import Surface, shortened
 
 LEAST = 4
 """Points along either side, below which there is no surface to speak of."""
@@ -64,8 +64,8 @@ class HeightField:
             raise ValueError(f"alpha is {alpha}: one or two finite numbers above 0 are wanted.")
         waves = all_waves(extent, stream(seed, "heightfield", 0, extent, 0))
         heights = synthesise(waves, extent, cells)
-        per_length = np.diag(Surface(heights, cells).stretch(*alphas).matrix)
-        return cls(heights, (1 / per_length[0], 1 / per_length[1]), isotropic_grid=True)
+        step_x, step_y = (2 / (a * shortened(cells)) for a in alphas)
+        return cls(heights, (step_x, step_y), isotropic_grid=True)
 
     @cached_property
     def _scale(self) -> float:

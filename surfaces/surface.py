@@ -50,15 +50,9 @@ class Surface:
 
     def stretch(self, alpha_x: float, alpha_y: float, phi: float | None = None) -> Stretch:
         """From the world's coordinates to the grid's, for a roughness and, turned so that the
-        period matters least, for light of azimuth `phi`.
-
-        A flat facet spans one cell, and its slope is the mean over it: low in variance by
-        (1 - exp(-delta^2)) / delta^2, delta = 1 / cells. The surface is shortened by the root of
-        that, so that the facets, which is what light meets, have variance alpha^2 / 2 exactly.
-        """
-        delta2 = 1 / self.cells**2
-        cells = self.cells * np.sqrt(delta2 / -np.expm1(-delta2))
-        return Stretch.of(alpha_x / 2 * cells, alpha_y / 2 * cells, phi)
+        period matters least, for light of azimuth `phi`."""
+        per_length = shortened(self.cells)
+        return Stretch.of(alpha_x / 2 * per_length, alpha_y / 2 * per_length, phi)
 
     @cached_property
     def top(self) -> float:
@@ -161,6 +155,17 @@ class Surface:
         u, v = np.meshgrid(axis, axis, indexing="ij")
         vertices = self.stretch(alpha_x, alpha_y).to_world(np.stack([u, v, h]).reshape(3, -1))
         return trimesh.Trimesh(vertices.T, faces(len(h)), process=False, validate=False)
+
+
+def shortened(cells: int) -> float:
+    """Cells a correlation length of a mesh whose facets have the slope variance of the field.
+
+    A flat facet spans one cell, and its slope is the mean over it: low in variance by
+    (1 - exp(-delta^2)) / delta^2, delta = 1 / cells. The surface is shortened by the root of that,
+    so that the facets, which is what light meets, have variance alpha^2 / 2 exactly.
+    """
+    delta2 = 1 / cells**2
+    return float(cells * np.sqrt(delta2 / -np.expm1(-delta2)))
 
 
 def faces(rows: int) -> Array:

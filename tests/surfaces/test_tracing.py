@@ -196,6 +196,7 @@ def test_a_field_of_an_odd_number_of_points_has_no_seam():
     with pytest.raises(ValueError, match="odd"):
         Surface(heights, 5)
     field = HeightField(heights, (0.4, 0.4))
+    assert len(HeightField.random(0.5, extent=5, cells=5).heights) == 25
     tally = Tally(4)
     tracer = Tracer(field.surface, field.stretch(0.3), Conductor())
     for light in tracer.trace(incident(1.0, 0.3), 20_000, np.random.default_rng(2), 1000):
