@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from msbsdf_cli.methods.protocol import Method
+    from msbsdf_cli.smith.slopes import Slopes
+    from surfaces.materials import Material
 
 PLACES = {
     "single": ("single", "Single"),
@@ -33,6 +35,17 @@ class _Lazy(Mapping[str, "type[Method]"]):
 
     def __len__(self) -> int:
         return len(PLACES)
+
+
+def holds(method: str, slopes: "Slopes", material: "Material") -> bool:
+    """Whether a method can do these slopes and this material."""
+    from msbsdf_cli.methods.protocol import UnsupportedError
+
+    try:
+        METHODS[method].check_supported(slopes, material)
+    except UnsupportedError:
+        return False
+    return True
 
 
 METHODS: Mapping[str, "type[Method]"] = _Lazy()

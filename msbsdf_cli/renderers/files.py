@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.renderers.tables import Table
+from msbsdf_cli.renderers.tables import BsdfTable
 from msbsdf_cli.results import npz
 from surfaces.facet import Array
 
@@ -17,7 +17,7 @@ AXES = (
 )
 
 
-def write_table(path: Path, table: Table, single_share: float, error: float) -> None:
+def write_table(path: Path, table: BsdfTable, single_share: float, error: float) -> None:
     """bsdf.npz"""
     material = table.material
     about = {

@@ -5,9 +5,10 @@ likes; the table holds the later orders, which are wide. Of diffuse facets it ho
 has one roughness, so that a value depends on two cosines and the azimuth between the directions.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.single import Single
@@ -21,6 +22,7 @@ from surfaces.materials import Material
 from surfaces.streams import stream
 
 SLOPES = ("beckmann", "ggx")
+"""Slope distributions that renderers have."""
 
 COSINES, LEAST_AZIMUTHS, AZIMUTHS_OF_ALPHA = 24, 24, 20
 """Nodes of the table, at the middles of as many even parts of [0, 1] and [0, pi]: of azimuths more
@@ -39,7 +41,7 @@ ALBEDO_ALPHAS, ALBEDO_COSINES = 32, 32
 
 
 @dataclass(frozen=True)
-class Table:
+class BsdfTable:
     """BSDF values of the orders that have no closed form."""
 
     slopes: Slopes
@@ -61,7 +63,7 @@ class Table:
         return np.asarray(found)
 
 
-def make_table(slopes: Slopes, material: Material, workers: Workers, quiet: bool) -> Table:
+def make_table(slopes: Slopes, material: Material, workers: Workers, quiet: bool) -> BsdfTable:
     """Solve the Smith model for all nodes. Raises UnsupportedError for a surface of two
     roughnesses, or one that light passes through."""
     check(slopes, material)
@@ -73,7 +75,7 @@ def make_table(slopes: Slopes, material: Material, workers: Workers, quiet: bool
             progress.advance(1)
     values = np.stack(rows, axis=1)
     # A BSDF is reciprocal; what is left of the difference is the solver's error.
-    return Table(slopes, material, (values + values.swapaxes(1, 2)) / 2)
+    return BsdfTable(slopes, material, (values + values.swapaxes(1, 2)) / 2)
 
 
 def check(slopes: Slopes, material: Material) -> None:
@@ -112,22 +114,13 @@ def _row(job: tuple[Slopes, Material, int]) -> Array:
 
 def _interpolated(values: Array, places: tuple[Array, ...]) -> Array:
     """Linear between the middles of texels, constant beyond them: (channels, n)."""
-    low, high, part = [], [], []
-    for place, count in zip(places, values.shape[1:], strict=True):
-        x = np.clip(place * count - 0.5, 0, count - 1)
-        first = np.minimum(x.astype(int), count - 2)
-        low.append(first)
-        high.append(first + 1)
-        part.append(x - first)
-    total = np.zeros((len(values), places[0].size))
-    for corner in np.ndindex(2, 2, 2):
-        at = tuple((low, high)[c][axis] for axis, c in enumerate(corner))
-        weight = np.prod([(1 - p, p)[c] for c, p in zip(corner, part, strict=True)], axis=0)
-        total += values[:, *at] * weight
-    return total
+    grid = [nodes(count) for count in values.shape[1:]]
+    inside = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(places, grid, strict=True)]
+    found = RegularGridInterpolator(grid, np.moveaxis(values, 0, -1))(np.stack(inside, axis=-1))
+    return np.asarray(found.T)
 
 
-def interpolation_error(table: Table, seed: int = 0) -> Array:
+def interpolation_error(table: BsdfTable, seed: int = 0) -> Array:
     """Relative errors (pairs,) of the whole BSDF in random pairs of directions up to theta 1.4."""
     rng = stream(seed, "export pairs")
     solve, errors = Solve(table.slopes, table.material, 1), []
@@ -148,8 +141,8 @@ def albedos(slopes: Slopes, material: Material) -> tuple[Array, Array]:
     cos = nodes(ALBEDO_COSINES)
     wi = np.array([np.sqrt(1 - cos * cos), np.zeros_like(cos), cos])
     rows = []
-    for alpha in nodes(ALBEDO_ALPHAS):
-        of = type(slopes)(**{**vars(slopes), "alpha_x": float(alpha), "alpha_y": float(alpha)})
+    for alpha in nodes(ALBEDO_ALPHAS).tolist():
+        of = replace(slopes, alpha_x=alpha, alpha_y=alpha)
         rows.append(first_order_albedo(of, material, wi))
     directional = np.array(rows)
     return directional, (directional * 2 * cos).mean(axis=1)

@@ -7,6 +7,7 @@ from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.visible_slopes import visible_slopes
 from surfaces.facet import Array, dot, fresnel_dielectric
 from surfaces.materials import Material
+from surfaces.quadrature import hemisphere
 
 DIRECTIONS_BLOCK = 16
 """Directions integrated over at once, with a few thousand slopes for each."""
@@ -64,12 +65,6 @@ def _passes(slopes: Slopes, wi: Array, w: Array, transmitted: bool) -> Array:
 
 def _of_lobes(slopes: Slopes, material: Material, wi: Array) -> float:
     """By a product rule over outgoing directions, finer towards the horizon."""
-    x, weight = np.polynomial.legendre.leggauss(DIFFUSE_NODES)
-    u = (1 + x) / 2
-    phi = np.arange(2 * DIFFUSE_NODES) * np.pi / DIFFUSE_NODES
-    z, phi = (a.ravel() for a in np.meshgrid(u * u, phi, indexing="ij"))
-    s = np.sqrt(1 - z * z)
-    w = np.stack([s * np.cos(phi), s * np.sin(phi), z])
+    w, solid_angle = hemisphere(DIFFUSE_NODES, 2 * DIFFUSE_NODES, power=2)
     value = material.density(slopes, -wi, w)[0] * masking_shadowing(slopes, wi, w, False)
-    solid_angle = np.repeat(weight * u, 2 * DIFFUSE_NODES) * np.pi / DIFFUSE_NODES
     return float((value * solid_angle).sum())

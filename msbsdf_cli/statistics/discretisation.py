@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, merge_bins
-from msbsdf_cli.statistics.tally import Tally
+from msbsdf_cli.statistics.tally import Tally, combination
 from surfaces.facet import Array
 
 SAFETY = 3
@@ -56,8 +56,8 @@ def extrapolated(
     errors would have more than the first, and how far that is from what the other two say.
     """
     a, b = (_weight(*pair) for pair in pairwise(cells))
-    more = fine.combined(a, [(-a, middle)])
-    return more, fine.combined(1 + a, [(-a - 1 - b, middle), (b, coarse)])
+    more = combination((a, fine), (-a, middle))
+    return more, combination((1 + a, fine), (-a - 1 - b, middle), (b, coarse))
 
 
 def _weight(cells: int, coarser: int) -> float:

@@ -1,7 +1,6 @@
 """Light on realisations of a surface: each is one unit, helped by what is known of it."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -45,10 +44,12 @@ class SurfaceTally(Tally):
         """Sums of figures, and of their products with `more`, over the surfaces that have it."""
         self.extent = extent
         """Period, in correlation lengths."""
+        self._known: tuple[int, tuple[Array, Array, Array]] | None = None
+        """Units that there were when figures were last estimated, and what came out."""
 
     def add_surface(self, light: SurfaceLight) -> None:
         """Take in the next surface."""
-        self.merge(light.unit)
+        super().merge(light.unit)
         self.products += np.outer(light.controls, light.unit.sums[0])
         known = np.append(1, light.controls)
         self.controls += np.outer(known, known)
@@ -57,7 +58,15 @@ class SurfaceTally(Tally):
             self.doubt.merge(light.doubt)
             figures = light.unit.sums[0]
             self.on_all_meshes += figures, figures * light.more.sums[0]
-        vars(self).pop("_figures", None)
+
+    def merge(self, other: Tally) -> None:
+        """Take in the surfaces of another simulation of the same scene and resolution."""
+        assert isinstance(other, SurfaceTally), "one surface is added by `add_surface`"
+        super().merge(other)
+        for name in SUMS:
+            getattr(self, name)[:] += getattr(other, name)
+        self.more.merge(other.more)
+        self.doubt.merge(other.doubt)
 
     def arrays(self) -> dict[str, Array]:
         parts = {"more": self.more, "doubt": self.doubt}
@@ -73,22 +82,29 @@ class SurfaceTally(Tally):
 
     def figures(self) -> tuple[Array, Array]:
         """Estimates of all figures and the squares of their errors: rows for `views`."""
-        value, noise, systematic = self._figures
+        value, noise, systematic = self._estimated()
         return value, noise + systematic
 
     @property
     def systematic(self) -> Array:
         """Squares of the errors that more surfaces would not make smaller, a row for `views`."""
-        return self._figures[2]
+        return self._estimated()[2]
 
-    @cached_property
-    def _figures(self) -> tuple[Array, Array, Array]:
+    def _estimated(self) -> tuple[Array, Array, Array]:
+        """Values, squared noise, and squared systematic errors; once for all that is asked."""
+        if self._known is None or self._known[0] != self.units:
+            self._known = self.units, self._estimate()
+        return self._known[1]
+
+    def _estimate(self) -> tuple[Array, Array, Array]:
         mean, mean_noise = super().figures()
+        value, noise = mean, mean_noise
         judged = slice(0, self.views(mean)["energy"].size)
         found = regress(self.sums, self.products, self.controls, judged)
-        value, noise = (mean, mean_noise) if found is None else found
+        if found is not None:
+            value, noise = found[0], found[1] + self.unseen()
         more, more_noise = self.more.figures()
-        value, noise = value + more, noise + more_noise + 2 * self._covariance() + self.unseen()
+        value, noise = value + more, noise + more_noise + 2 * self._covariance()
         v, m = self.views(value), self.views(mean)
         self._make_consistent(v, m)
         share = _over(v["energy"], m["energy"])[..., None] ** 2

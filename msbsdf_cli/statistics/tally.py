@@ -117,14 +117,6 @@ class Tally:
         unit.units, unit.rays, unit.facets = 1, self.rays, self.facets
         return unit
 
-    def combined(self, factor: float, others: list[tuple[float, "Tally"]]) -> "Tally":
-        """A unit of the factors times the figures of this unit and of others of the same rays."""
-        unit = Tally(self.orders)
-        unit.sums[0] = factor * self.sums[0] + sum(f * other.sums[0] for f, other in others)
-        unit.sums[1] = unit.sums[0] ** 2
-        unit.units, unit.rays = 1, self.rays
-        return unit
-
     def merge(self, other: "Tally") -> None:
         """Take in another tally's units."""
         self.sums += other.sums
@@ -163,6 +155,16 @@ class Tally:
         for name in REST:
             self.views(squares)[name][...] = 0
         return squares
+
+
+def combination(*parts: tuple[float, Tally]) -> Tally:
+    """A unit of the sum of factors times the figures of units, all of the same rays."""
+    first = parts[0][1]
+    unit = Tally(first.orders)
+    unit.sums[0] = sum(factor * part.sums[0] for factor, part in parts)
+    unit.sums[1] = unit.sums[0] ** 2
+    unit.units, unit.rays = 1, first.rays
+    return unit
 
 
 def _sums(w: Array, share: Array | None, below: Array | None, power: int) -> tuple[Array, Array]:

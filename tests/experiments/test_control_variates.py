@@ -45,6 +45,24 @@ def test_controls_of_surfaces_are_near_their_expected_values():
     assert np.all(stderr < 1e-3)
 
 
+def test_simulations_merge_as_if_they_were_one():
+    scene = Scene(Conductor(), Beckmann(1, 1), (0.5,), 0.3)
+    paths = FreePaths((), (), np.array([0.0, 1.0]))
+    one, other = (
+        simulate(scene, 20_000, Resolution(8, 6, 8), paths, seed, 1, 1000, True).tallies[0]
+        for seed in (1, 2)
+    )
+    alone = one.estimate("energy").value.copy()
+    mean = (Tally.figures(one)[0] + Tally.figures(other)[0]) / 2
+    one.merge(other)
+    assert (one.units, one.more.units, one.controls[0, 0]) == (16, 16, 16)
+    np.testing.assert_allclose(Tally.figures(one)[0], mean, atol=1e-12)
+    # What was estimated before the merge is estimated anew.
+    assert np.abs(one.estimate("energy").value - alone).max() > 1e-6
+    with pytest.raises(AssertionError, match="add_surface"):
+        one.merge(Tally(4))
+
+
 def test_controls_explain_most_of_what_surfaces_differ_in():
     """Vertical light, which sees one surface in all views."""
     scene = Scene(Conductor(), Beckmann(1, 1), (0.0,), 0.3)

@@ -12,15 +12,14 @@ from functools import lru_cache
 import numpy as np
 
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
-from msbsdf_cli.methods.protocol import UnsupportedError
-from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.methods.registry import METHODS, holds
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
-from surfaces.quadrature import gauss
+from surfaces.quadrature import hemisphere
 from surfaces.streams import stream
 
 ORDERS = 10
@@ -29,8 +28,8 @@ ORDERS = 10
 LOBE_RESOLUTION = 0.6
 """Of `solve` for lobes of several bounces, which are wide: right to a percent of them."""
 
-POLAR, AZIMUTHAL = 12, 24
-"""Directions of a hemisphere, each way, in which lobes are compared; and two thirds of them, whose
+POLAR = 12, 8
+"""Polar angles in which lobes are compared, and twice as many azimuths; and fewer of them: the
 difference tells the error."""
 
 BOUND_KNOWN = 1e-5
@@ -138,7 +137,7 @@ def _most_over_least(material: Material) -> float:
 
 def truncated(solved: list[Case]) -> list[Candidate]:
     """Models of 1, 2, ... bounces, and of all of them."""
-    walk = "exact" if _holds("exact", solved) else "walk"
+    walk = "exact" if _all_hold("exact", solved) else "walk"
     # A path meets one facet more unless it has left before.
     facets = 1 + np.cumsum(np.max([case.later for case in solved], axis=0))
     found = []
@@ -152,7 +151,7 @@ def truncated(solved: list[Case]) -> list[Candidate]:
 
 def compensated(solved: list[Case]) -> list[Candidate]:
     """Models that replace all bounces but the first, which meet one facet."""
-    names = [name for name in COMPENSATED if _holds(name, solved)]
+    names = [name for name in COMPENSATED if _all_hold(name, solved)]
     worst: dict[str, tuple[float, float, Case]] = {}
     # None can be further off than all the light that it replaces: the rest need no work.
     for case in sorted(solved, key=lambda case: -case.later[0]):
@@ -171,7 +170,7 @@ def _apart(case: Case, methods: list[str]) -> dict[str, tuple[float, float]]:
     if not methods:
         return {}
     truth = _solved(case.slopes, case.material, 1, LOBE_RESOLUTION)
-    rules = [_directions(n, case.material.transmits) for n in (POLAR, POLAR * 2 // 3)]
+    rules = [_directions(n, case.material.transmits) for n in POLAR]
     known = [truth.evaluate(case.wi, wo) for wo, _ in rules]
     doubt = (known[0].stderr[:, 1] * rules[0][1]).sum(axis=1) / case.total / 2
     found = {}
@@ -187,25 +186,13 @@ def _apart(case: Case, methods: list[str]) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _holds(method: str, places: list[Case]) -> bool:
-    try:
-        for case in places:
-            METHODS[method].check_supported(case.slopes, case.material)
-    except UnsupportedError:
-        return False
-    return True
+def _all_hold(method: str, solved: list[Case]) -> bool:
+    return all(holds(method, case.slopes, case.material) for case in solved)
 
 
 def _directions(polar: int, both_sides: bool) -> tuple[Array, Array]:
-    """Outgoing directions (3, n), Gauss points in the cosine and even azimuths, and their weights
-    (n,)."""
-    azimuthal = polar * AZIMUTHAL // POLAR
-    cos, weight = gauss(polar)
-    phi = 2 * np.pi * (np.arange(azimuthal) + 0.5) / azimuthal
-    sin = np.sqrt(1 - cos * cos)
-    across = np.outer(sin, np.cos(phi)).ravel(), np.outer(sin, np.sin(phi)).ravel()
-    wo = np.array([*across, np.repeat(cos, azimuthal)])
-    weight = np.repeat(weight, azimuthal) * 2 * np.pi / azimuthal
+    """Outgoing directions (3, n) and their solid angles (n,)."""
+    wo, weight = hemisphere(polar, 2 * polar)
     if not both_sides:
         return wo, weight
     return np.concatenate([wo, wo * [[1], [1], [-1]]], axis=1), np.tile(weight, 2)

@@ -21,6 +21,9 @@ TEXTURE_STEPS = 3
 MOST_BYTES = 1_000_000
 """Of a scene's file."""
 
+MOST_NUMBER = 1e100
+"""Beyond it a number is as good as infinite."""
+
 ROUGHNESS = {"alpha": 1, "perceptual": 2}
 """What a file may call roughness, by the power of it that is alpha."""
 
@@ -78,7 +81,7 @@ def _read_toml(path: Path) -> list[SceneSurface]:
     for key in content.keys() - known:
         raise SceneFileError(f"{path}: {key!r} is not known: {', '.join(sorted(known))} are.")
     kind, surfaces = content.get("roughness", "alpha"), content.get("surface", [])
-    if kind not in ROUGHNESS:
+    if not isinstance(kind, str) or kind not in ROUGHNESS:
         raise SceneFileError(f"{path}: roughness is {kind!r}: one of {', '.join(ROUGHNESS)}.")
     if not isinstance(surfaces, list) or not surfaces:
         raise SceneFileError(f"{path} has no [[surface]].")
@@ -112,7 +115,7 @@ def _surface(entries: dict[str, Any], power: int) -> SceneSurface:
     for angle in angles:
         if not 0 <= angle < 90:
             raise ValueError(f"an angle is {angle:g} degrees: from 0 to below 90 are wanted.")
-    (weight,) = _numbers(entries.get("weight", 1.0), "weight")
+    weight = _number(entries.get("weight", 1.0), "weight")
     if not 0 < weight < math.inf:
         raise ValueError(f"weight is {weight:g}: a finite number above 0 is wanted.")
     slopes = _slopes(entries, power)
@@ -126,7 +129,7 @@ def _material(entries: dict[str, Any], kind: type[Any]) -> Material:
         if options.get(name) is not None:
             options[name] = _numbers(options[name], name)
     if options.get("ior") is not None:
-        (options["ior"],) = _numbers(options["ior"], "ior")
+        options["ior"] = _number(options["ior"], "ior")
     if "rgb" in options:
         options["rgb"] = True
     else:
@@ -137,12 +140,12 @@ def _material(entries: dict[str, Any], kind: type[Any]) -> Material:
 
 
 def _slopes(entries: dict[str, Any], power: int) -> tuple[Slopes, ...]:
-    kind = distribution(entries.get("slopes", "beckmann"))
-    shape = {}
-    for name in parameters(entries.get("slopes", "beckmann")):
+    slopes = entries.get("slopes", "beckmann")
+    kind, shape = distribution(slopes), {}
+    for name in parameters(slopes):
         if name not in entries:
-            raise ValueError(f"{name} is missing: slopes {entries['slopes']} have one.")
-        (shape[name],) = _numbers(entries[name], name)
+            raise ValueError(f"{name} is missing: slopes {slopes} have one.")
+        shape[name] = _number(entries[name], name)
     if "gamma" in entries and "gamma" not in shape:
         raise ValueError("gamma is for slopes student-t.")
     if ("alpha" in entries) == ("alpha_x" in entries and "alpha_y" in entries):
@@ -150,7 +153,7 @@ def _slopes(entries: dict[str, Any], power: int) -> tuple[Slopes, ...]:
             "either alpha is wanted, a number or a range [LOW, HIGH], or alpha_x and alpha_y."
         )
     if "alpha" not in entries:
-        pairs = [tuple(_numbers(entries[a], a)[0] ** power for a in ("alpha_x", "alpha_y"))]
+        pairs = [tuple(_number(entries[a], a) ** power for a in ("alpha_x", "alpha_y"))]
     else:
         ends = _numbers(entries["alpha"], "alpha")
         if len(ends) > 2 or min(ends) <= 0 or ends[0] > ends[-1]:
@@ -165,11 +168,18 @@ def _numbers(value: Any, name: str) -> tuple[float, ...]:
     for number in values:
         if isinstance(number, bool) or not isinstance(number, int | float):
             raise ValueError(f"{name} is {value!r}: numbers are wanted.")
-        if not math.isfinite(number):
-            raise ValueError(f"{name} is {number}: finite numbers are wanted.")
+        if not -MOST_NUMBER < number < MOST_NUMBER:
+            raise ValueError(f"{name} is too large or not finite: finite numbers are wanted.")
     if not values:
         raise ValueError(f"{name} is empty.")
     return tuple(float(number) for number in values)
+
+
+def _number(value: Any, name: str) -> float:
+    values = _numbers(value, name)
+    if len(values) > 1:
+        raise ValueError(f"{name} is {value!r}: one number is wanted.")
+    return values[0]
 
 
 def _listed(names: set[str]) -> str:

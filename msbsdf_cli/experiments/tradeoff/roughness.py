@@ -8,8 +8,7 @@ from msbsdf_cli.experiments.tradeoff.measuring import Protocol, measure
 from msbsdf_cli.experiments.tradeoff.reference import reference
 from msbsdf_cli.experiments.tradeoff.rows import Row, method_rows
 from msbsdf_cli.experiments.tradeoff.scaling import SAMPLES, one_each
-from msbsdf_cli.methods.protocol import UnsupportedError
-from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.methods.registry import holds
 from msbsdf_cli.scene import Scene
 
 ALPHAS = (0.1, 0.2, 0.5, 1.0)
@@ -46,16 +45,8 @@ def roughness_rows(
         lobes = [lobe_directions(there, theta, directions, protocol.seed) for theta in thetas]
         purpose = f"{protocol.purpose} {alpha}"
         truth = reference(there, lobes, methods, SAMPLES, protocol.seed, purpose)
-        here = [s for s in settings if _holds(s.method, there)]
+        here = [s for s in settings if holds(s.method, there.slopes, there.material)]
         few = replace(protocol, replicates=min(protocol.replicates, REPLICATES), purpose=purpose)
         rows += method_rows(there, measure(there, here, lobes, few), truth)
         advance(1)
     return rows
-
-
-def _holds(method: str, scene: Scene) -> bool:
-    try:
-        METHODS[method].check_supported(scene.slopes, scene.material)
-    except UnsupportedError:
-        return False
-    return True
