@@ -92,7 +92,7 @@ def _read_toml(path: Path) -> list[SceneSurface]:
             raise SceneFileError(f"{where} is no table.")
         try:
             found.append(_surface(entries, ROUGHNESS[kind]))
-        except (ValueError, TypeError, OverflowError) as error:
+        except (ValueError, OverflowError) as error:
             raise SceneFileError(f"{where}: {error}") from None
     names = [surface.name for surface in found]
     for name in names:
@@ -125,6 +125,9 @@ def _surface(entries: dict[str, Any], power: int) -> SceneSurface:
 
 def _material(entries: dict[str, Any], kind: type[Any]) -> Material:
     options: dict[str, Any] = {name: entries.get(name) for name in kind.options}
+    metal = options.get("metal")
+    if metal is not None and not isinstance(metal, str):
+        raise ValueError(f"metal is {metal!r}: a name is wanted.")
     for name in ("eta_k", "albedo"):
         if options.get(name) is not None:
             options[name] = _numbers(options[name], name)
