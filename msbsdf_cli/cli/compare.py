@@ -18,6 +18,9 @@ from msbsdf_cli.cli.options import (
     use,
 )
 
+Pictures = list[Callable[[], None]]
+"""What draws pictures, side by side on all cores."""
+
 
 @click.command("compare")
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
@@ -46,11 +49,11 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     resolution = prepare(scene, options, handed, report)
     with report.draft() as draft:
         work = scene, resolution, free_paths, options
-        pictures: list[Callable[[], None]] = []
-        simulated = handed.get("simulate") or simulated_run(draft, *work, pictures)
-        models = modelled(draft, scene, free_paths, options, handed, pictures)
-        rows = write(report, draft, simulated, models, pictures)
-        do_all(pictures, options["threads"])
+        handed_run = handed.get("simulate")
+        simulated, of_surfaces = (handed_run, []) if handed_run else simulated_run(draft, *work)
+        models, of_models = modelled(draft, scene, free_paths, options, handed)
+        rows, of_both = write(report, draft, simulated, models)
+        do_all([*of_surfaces, *of_models, *of_both], options["threads"])
 
     def show() -> None:
         show_rows(rows)
@@ -169,61 +172,46 @@ def method_work_s(scene: Any, options: dict[str, Any]) -> float:
 
 
 def simulated_run(
-    draft: Path,
-    scene: Any,
-    resolution: Any,
-    free_paths: Any,
-    options: dict[str, Any],
-    pictures: list[Callable[[], None]],
-) -> Any:
-    """Simulate; the report goes into `draft`, what draws for it to `pictures`."""
+    draft: Path, scene: Any, resolution: Any, free_paths: Any, options: dict[str, Any]
+) -> tuple[Any, Pictures]:
+    """Simulate; the report goes into `draft`, and what draws for it comes back."""
     from msbsdf_cli.cli import simulate
 
     run = simulate.run(scene, resolution, free_paths, options)
-    write_part(draft, run, options, pictures)
-    pictures.append(simulate.draw(draft / "simulate", scene, resolution, options))
-    return run
+    _, pictures = write_part(draft, run, options)
+    return run, [*pictures, simulate.draw(draft / "simulate", scene, resolution, options)]
 
 
 def modelled(
-    draft: Path,
-    scene: Any,
-    free_paths: Any,
-    options: dict[str, Any],
-    handed: dict[str, Any],
-    pictures: list[Callable[[], None]],
-) -> list[Any]:
-    """Light of the walk, or of the methods wanted; the report of a walk made goes into `draft`."""
+    draft: Path, scene: Any, free_paths: Any, options: dict[str, Any], handed: dict[str, Any]
+) -> tuple[list[Any], Pictures]:
+    """Light of the walk, or of the methods wanted; the report of a walk made goes into `draft`, and
+    what draws for it comes back."""
     from msbsdf_cli.cli import walk
 
     if options["method"] is not None:
         from msbsdf_cli.experiments.method_lobes import method_lobes
 
         names = ("samples", "seed", "threads", "precision", "quiet")
-        return method_lobes(scene, options["method"], *(options[name] for name in names))
+        return method_lobes(scene, options["method"], *(options[name] for name in names)), []
     if "walk" in handed:
-        return [handed["walk"].lobes()]
-    return [write_part(draft, walk.run(scene, free_paths, options), options, pictures)]
+        return [handed["walk"].lobes()], []
+    lobes, pictures = write_part(draft, walk.run(scene, free_paths, options), options)
+    return [lobes], pictures
 
 
-def write_part(
-    draft: Path, run: Any, options: dict[str, Any], pictures: list[Callable[[], None]]
-) -> Any:
-    """The report of a run within this one; the light that left."""
+def write_part(draft: Path, run: Any, options: dict[str, Any]) -> tuple[Any, Pictures]:
+    """The report of a run within this one; the light that left, and what draws it."""
     from msbsdf_cli.cli.report import Part
     from msbsdf_cli.cli.runs import write_run
 
     place = draft / run.kind
     place.mkdir()
-    lobes, mine = write_run(Part(run.kind, options), place, run)
-    pictures += mine
-    return lobes
+    return write_run(Part(run.kind, options), place, run)
 
 
-def write(
-    report: Any, draft: Path, run: Any, models: list[Any], pictures: list[Callable[[], None]]
-) -> list[Any]:
-    """Compare, and write the report into `draft`; the rows of agreement.csv."""
+def write(report: Any, draft: Path, run: Any, models: list[Any]) -> tuple[list[Any], Pictures]:
+    """Compare, and write the report into `draft`; the rows of agreement.csv, and what draws."""
     from msbsdf_cli.cli.runs import summary
     from msbsdf_cli.experiments.compare import Row, agreement
     from msbsdf_cli.plots.free_path import draw_free_paths
@@ -231,6 +219,7 @@ def write(
     from msbsdf_cli.results.files import columns
 
     simulated, rows, sentences = run.lobes(), [], []
+    pictures: Pictures = []
     for model in models:
         mine = agreement(simulated, model)
         rows += mine
@@ -247,12 +236,10 @@ def write(
     figures = run.paths, run.bounces_mean, run.wall_s
     more = {"energies": summary(run), **run.notes, "summary": "\n".join(sentences)}
     report.write(draft, {"agreement.csv": table}, *figures, more)
-    return rows
+    return rows, pictures
 
 
-def pictures_of_pair(
-    place: Path, rows: list[Any], simulated: Any, model: Any
-) -> list[Callable[[], None]]:
+def pictures_of_pair(place: Path, rows: list[Any], simulated: Any, model: Any) -> Pictures:
     """What draws simulated light and a model's side by side."""
     from msbsdf_cli.plots.agreement import draw_agreement
     from msbsdf_cli.plots.lobes import lobe_comparison

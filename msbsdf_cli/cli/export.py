@@ -39,12 +39,16 @@ def command(**options: Any) -> None:
         tables.check(scene.slopes, scene.material)
     except UnsupportedError as refusal:
         raise click.UsageError(f"{refusal}.") from None
-    report.warn(common.scene_warnings(options | {"theta": (0.0,)}))
+    report.warn(common.scene_warnings(options))
+    expected = tables.seconds(scene.slopes, scene.material) / options["threads"]
+    if expected > common.LONG_S:
+        text = f"this will take about {common.duration(expected)}, for the table's directions."
+        report.warn([text])
     with report.draft() as draft:
         work = options["threads"], options["quiet"]
         table = tables.make_table(scene.slopes, scene.material, *work)
         errors = tables.interpolation_error(table)
-        directional, mean = tables.albedos(scene.slopes, scene.material)
+        directional, mean = tables.albedos(scene.slopes)
         share = float(np.interp(scene.alpha[0], tables.nodes(len(mean)), mean))
         files.write_table(draft / "bsdf.npz", table, share, float(errors.max()))
         np.savez(draft / "albedo.npz", directional=directional, mean=mean)

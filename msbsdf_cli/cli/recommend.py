@@ -43,6 +43,7 @@ def command(**options: Any) -> None:
         raise click.BadParameter(f"{error}", param_hint="SCENE") from None
     report = Report("recommend", _slug(options["scene"]), options)
     report.warn([f"{name} is not judged: {reason}." for name, reason in content.left_out])
+    report.warn(time_warnings(content.surfaces, options["threads"]))
     if not content.surfaces:
         raise click.ClickException(f"{options['scene']} has no surface that can be judged.")
     with report.draft() as draft:
@@ -69,7 +70,38 @@ def write_sheet(options: dict[str, Any]) -> None:
         table = columns(entries, (f.name for f in fields(Entry)))
         report.write(draft, {"sheet.csv": table}, 0)
         draw_sheet(entries, draft / "sheet.png")
-    report.end(lambda: None)
+    report.end(lambda: show_sheet(entries))
+
+
+def show_sheet(entries: list[Any]) -> None:
+    """Print the most bounces that any roughness and angle of a kind needs."""
+    from msbsdf_cli.cli.terminal import show_table
+
+    tolerances = list(dict.fromkeys(e.tolerance for e in entries))
+    most: dict[tuple[str, str], list[int]] = {}
+    for e in entries:
+        row = most.setdefault((e.material, e.slopes), [0] * len(tolerances))
+        k = tolerances.index(e.tolerance)
+        row[k] = max(row[k], e.bounces)
+    click.echo("The most bounces that any roughness and angle needs:")
+    lines = [(*kind, *map(str, row)) for kind, row in most.items()]
+    show_table(("material", "slopes", *(_percent(t) for t in tolerances)), lines)
+
+
+def time_warnings(surfaces: list[Any], threads: int) -> list[str]:
+    """A sentence where the surfaces of a scene take long."""
+    from msbsdf_cli.cli.common import LONG_S, duration
+    from msbsdf_cli.experiments.recommend.candidates import seconds
+
+    each = {surface.name: seconds(surface) for surface in surfaces}
+    expected = max(sum(each.values()) / threads, max(each.values(), default=0))
+    if expected < LONG_S:
+        return []
+    longest = max(each, key=lambda name: each[name])
+    return [
+        f"this will take about {duration(expected)}, most of it for {longest}; smooth surfaces and "
+        "those of two roughnesses take `solve` long, at each angle and roughness."
+    ]
 
 
 def _slug(scene: str) -> str:
@@ -117,7 +149,9 @@ def sentence(found: Any, tolerance: float) -> str:
     text = f"{name} ({roughness(found.surface)}): {model(chosen)}"
     text += " is enough" if chosen.bounces == 1 else ""
     if chosen.error > 0:
-        text += f", {_percent(chosen.error)} at {math.degrees(chosen.theta):.0f} degrees"
+        # Where single scattering's bound was enough, nothing else was worked out.
+        most = "at most " if len(found.candidates) == 1 else ""
+        text += f", {most}{_percent(chosen.error)} at {math.degrees(chosen.theta):.0f} degrees"
     return text + (f"; too close to call: {', '.join(close)}." if close else ".")
 
 

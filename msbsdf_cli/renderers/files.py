@@ -43,7 +43,7 @@ def c_header(slopes: str, directional: Array, mean: Array) -> str:
     """albedo.h"""
     rows, columns = directional.shape
     lines = [
-        f"/* Directional albedo of single scattering, {slopes} slopes, without absorption:",
+        f"/* Directional albedo of mirrors by single scattering, {slopes} slopes:",
         "   msbsdf_albedo[i][j] at alpha = (i + .5) / rows and cos(theta) = (j + .5) / columns,",
         "   msbsdf_albedo_mean[i] its mean over the hemisphere, weighted by the cosine. */",
         f"static const float msbsdf_albedo[{rows}][{columns}] = {{",

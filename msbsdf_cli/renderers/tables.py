@@ -13,12 +13,13 @@ from scipy.interpolate import RegularGridInterpolator
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.single import Single
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.methods.solver.size import value_seconds
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Material
+from surfaces.materials import Conductor, Material
 from surfaces.streams import stream
 
 SLOPES = ("beckmann", "ggx")
@@ -27,6 +28,9 @@ SLOPES = ("beckmann", "ggx")
 COSINES, LEAST_AZIMUTHS, AZIMUTHS_OF_ALPHA = 24, 24, 20
 """Nodes of the table, at the middles of as many even parts of [0, 1] and [0, pi]: of azimuths more
 where the surface is smooth, in proportion to 1 / alpha, as lobes are narrow."""
+
+VALUE_S, VALUE_OF_DIFFUSE_S = 2.5e-4, 2.5e-3
+"""Seconds for a value; the first order of diffuse facets is an integral."""
 
 PAIRS, LEAST_COSINE = 512, float(np.cos(1.4))
 """Random pairs of directions in which a table is held against what it was made from, and the
@@ -68,14 +72,20 @@ def make_table(slopes: Slopes, material: Material, workers: Workers, quiet: bool
     roughnesses, or one that light passes through."""
     check(slopes, material)
     jobs = [(slopes, material, k) for k in range(COSINES)]
-    rows = []
+    values = np.empty((material.channels, COSINES, COSINES, azimuths(slopes)))
     with Progress("export", COSINES, "angles", quiet) as progress:
-        for row in map_ordered(_row, jobs, workers):
-            rows.append(row)
+        for k, row in enumerate(map_ordered(_row, jobs, workers)):
+            # A BSDF is reciprocal: half of it is the other half.
+            values[:, k, k:] = values[:, k:, k] = row
             progress.advance(1)
-    values = np.stack(rows, axis=1)
-    # A BSDF is reciprocal; what is left of the difference is the solver's error.
-    return BsdfTable(slopes, material, (values + values.swapaxes(1, 2)) / 2)
+    return BsdfTable(slopes, material, values)
+
+
+def seconds(slopes: Slopes, material: Material) -> float:
+    """About how many seconds one core needs for a table."""
+    each = VALUE_S if material.specular else VALUE_OF_DIFFUSE_S
+    values = COSINES * (COSINES + 1) / 2 * azimuths(slopes)
+    return COSINES * value_seconds(slopes, material) + each * values
 
 
 def check(slopes: Slopes, material: Material) -> None:
@@ -100,16 +110,17 @@ def nodes(count: int) -> Array:
 
 
 def _row(job: tuple[Slopes, Material, int]) -> Array:
-    """Values (channels, cosine out, azimuth) for the incident cosine of number k."""
+    """Values (channels, cosine out, azimuth) for the incident cosine of number k and outgoing ones
+    from there on."""
     slopes, material, k = job
-    cos_i, cos_o, phi = nodes(COSINES)[k], nodes(COSINES), np.pi * nodes(azimuths(slopes))
+    cos_i, cos_o, phi = nodes(COSINES)[k], nodes(COSINES)[k:], np.pi * nodes(azimuths(slopes))
     wi = np.array([np.sqrt(1 - cos_i**2), 0, cos_i])
     sin_o = np.sqrt(1 - cos_o**2)
     across = (np.outer(sin_o, f(phi)).ravel() for f in (np.cos, np.sin))
     wo = np.array([*across, np.repeat(cos_o, phi.size)])
     value = Solve(slopes, material, 1).evaluate(wi, wo).value
     wanted = value[:, 1] if material.specular else value.sum(axis=1)
-    return np.asarray(wanted / wo[2]).reshape(len(value), COSINES, phi.size)
+    return np.asarray(wanted / wo[2]).reshape(len(value), cos_o.size, phi.size)
 
 
 def _interpolated(values: Array, places: tuple[Array, ...]) -> Array:
@@ -135,14 +146,14 @@ def interpolation_error(table: BsdfTable, seed: int = 0) -> Array:
     return np.concatenate(errors)
 
 
-def albedos(slopes: Slopes, material: Material) -> tuple[Array, Array]:
-    """Single scattering's directional albedo without absorption over alpha and cosine, (alphas,
-    cosines), and its mean over the hemisphere, (alphas,): what energy compensation looks up."""
+def albedos(slopes: Slopes) -> tuple[Array, Array]:
+    """Directional albedo of mirrors by single scattering over alpha and cosine, (alphas, cosines),
+    and its mean over the hemisphere, (alphas,): what energy compensation looks up."""
     cos = nodes(ALBEDO_COSINES)
     wi = np.array([np.sqrt(1 - cos * cos), np.zeros_like(cos), cos])
     rows = []
     for alpha in nodes(ALBEDO_ALPHAS).tolist():
         of = replace(slopes, alpha_x=alpha, alpha_y=alpha)
-        rows.append(first_order_albedo(of, material, wi))
+        rows.append(first_order_albedo(of, Conductor(), wi))
     directional = np.array(rows)
     return directional, (directional * 2 * cos).mean(axis=1)

@@ -27,7 +27,7 @@ def tables(tmp_path_factory):
     for name, (slopes, material) in CASES.items():
         table = make_table(slopes, material, 2, True)
         path = tmp_path_factory.mktemp("tables") / f"{name}.npz"
-        mean = albedos(slopes, Conductor())[1]
+        mean = albedos(slopes)[1]
         write_table(path, table, float(np.interp(slopes.alpha_x, np.linspace(0, 1, 32), mean)), 0.0)
         made[name] = table, str(path)
     return made

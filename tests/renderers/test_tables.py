@@ -39,7 +39,8 @@ def test_a_table_has_the_values_of_walks(table):
 
 
 def test_a_table_is_reciprocal_and_saved(table, tmp_path):
-    np.testing.assert_allclose(table.values, table.values.swapaxes(1, 2))
+    np.testing.assert_array_equal(table.values, table.values.swapaxes(1, 2))
+    assert np.isfinite(table.values).all()
     write_table(tmp_path / "bsdf.npz", table, 0.8, 0.004)
     content = read_table(tmp_path / "bsdf.npz")
     np.testing.assert_allclose(content["values"], table.values, rtol=1e-6)
@@ -61,7 +62,7 @@ def test_what_no_table_holds_is_refused(slopes, material):
 
 
 def test_albedos_are_the_energy_of_first_orders():
-    directional, mean = albedos(ms.Beckmann(0.5, 0.5), Conductor())
+    directional, mean = albedos(ms.Beckmann(0.5, 0.5))
     alpha, cos = nodes(32)[20], nodes(32)[10]
     walk = ms.walk(ms.Smith(ms.Beckmann(alpha, alpha), Conductor()), ms.direction(np.arccos(cos)))
     assert abs(directional[20, 10] - walk.energy[0, 0]) < 4 * walk.energy_stderr[0, 0] + 1e-5

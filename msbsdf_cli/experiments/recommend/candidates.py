@@ -14,6 +14,7 @@ import numpy as np
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
 from msbsdf_cli.methods.registry import METHODS, holds
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.methods.solver.size import energy_seconds, value_seconds
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
@@ -108,6 +109,16 @@ def _case(slopes: Slopes, material: Material, theta: float) -> Case:
     channel = int(np.argmin(shares[:, 0]))
     known = float(energy.error[channel].sum() / total[channel])
     return Case(slopes, material, theta, shares[channel], known, total)
+
+
+def seconds(surface: SceneSurface) -> float:
+    """About how many seconds one core needs at most, where the bound does not end it before."""
+    material, each = surface.material, 0.0
+    for slopes in surface.slopes:
+        each += energy_seconds(slopes, material)
+        if any(holds(name, slopes, material) for name in COMPENSATED):
+            each += LOBE_RESOLUTION * value_seconds(slopes, material)
+    return each * len(surface.theta)
 
 
 def single_bound(surface: SceneSurface) -> Candidate:
