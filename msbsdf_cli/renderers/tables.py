@@ -29,7 +29,7 @@ COSINES, LEAST_AZIMUTHS, AZIMUTHS_OF_ALPHA = 24, 24, 20
 """Nodes of the table, at the middles of as many even parts of [0, 1] and [0, pi]: of azimuths more
 where the surface is smooth, in proportion to 1 / alpha, as lobes are narrow."""
 
-VALUE_S, VALUE_OF_DIFFUSE_S = 2.5e-4, 2.5e-3
+VALUE_S, VALUE_OF_DIFFUSE_S = 2.5e-4, 6e-4
 """Seconds for a value; the first order of diffuse facets is an integral."""
 
 PAIRS, LEAST_COSINE = 512, float(np.cos(1.4))
