@@ -1,6 +1,7 @@
 """Outgoing directions as the methods see them, and what all methods ask of a material."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -24,19 +25,38 @@ class Outgoing:
     """Who leaves into the inner medium, (n,) of bool."""
     Lambda: Array
     """Lambda(w), (n,)."""
+    each: bool = False
+    """Whether every path looks towards one direction of its own, which its `start` numbers; else
+    towards all of them."""
 
     @property
     def n(self) -> int:
         return self.w.shape[1]
 
+    @property
+    def per_path(self) -> int:
+        """Directions that a path looks towards."""
+        return 1 if self.each else self.n
 
-def outgoing(slopes: Slopes, wo: Array) -> Outgoing:
+    def seen_by(self, start: Array | None) -> "Outgoing":
+        """The directions as they broadcast against paths (n, 1): (3, 1, directions), or (3, n, 1)
+        where path k has the direction `start[k]`."""
+        if not self.each:
+            return Outgoing(self.w[:, None], self.inside[None], self.Lambda[None])
+        w, inside, Lambda = self.w[:, start, None], self.inside[start], self.Lambda[start]
+        return Outgoing(w, inside[..., None], Lambda[..., None], each=True)
+
+
+def outgoing(slopes: Slopes, wo: Array, each: bool = False) -> Outgoing:
     """Directions `wo` (3, n) on either side of the surface."""
     inside = wo[2] < 0
     w = np.where(inside, -wo, wo)
     # Finite at the horizon, closer to which than rounding no direction is: times t = 0 it is 0.
     cos_o = np.maximum(w[2], np.finfo(w.dtype).eps ** 2)
-    return Outgoing(w, inside, slopes.sigma(w) / cos_o)
+    return Outgoing(w, inside, slopes.sigma(w) / cos_o, each)
+
+
+ONE_WI = "method {} evaluates many outgoing directions of one incident direction, not pairs"
 
 
 class MethodBase:
@@ -63,6 +83,26 @@ class MethodBase:
         """Energy that leaves after each order, on both sides, and its error, (channels, orders + 1)
         each, for `wi` (3,); None where the method knows it no better than by adding up values."""
         return None
+
+    def of_lanes(self, slopes: Slopes) -> Self:
+        """The same method for lanes (n,) of light, each with a roughness of its own. Raises
+        UnsupportedError where the trait `pairs` does not hold."""
+        if not self.traits.pairs:
+            raise UnsupportedError(ONE_WI.format(self.name))
+        return type(self)(slopes, self.material, self.orders)
+
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        """One estimate of all orders together, (channels, n), for each pair of directions of `wi`
+        and `wo` (3, n), as a renderer asks. Raises UnsupportedError likewise."""
+        raise UnsupportedError(ONE_WI.format(self.name))
+
+    def sample_each(self, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """`sample` with one direction for each of `wi` (3, n)."""
+        raise UnsupportedError(ONE_WI.format(self.name))
+
+    def pdf_each(self, wi: Array, wo: Array) -> Array:
+        """`pdf` for each pair of directions."""
+        raise UnsupportedError(ONE_WI.format(self.name))
 
     @classmethod
     def check_supported(cls, slopes: Slopes, material: Material) -> None:

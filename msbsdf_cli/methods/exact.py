@@ -15,8 +15,6 @@ from msbsdf_cli.methods.forced_collisions import (
     roulette,
 )
 from msbsdf_cli.methods.paths import (
-    Paths,
-    arriving,
     coloured,
     lanes_for,
     meet,
@@ -25,11 +23,12 @@ from msbsdf_cli.methods.paths import (
 )
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
 from msbsdf_cli.methods.sampling import SampledByWalk
-from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.methods.single import first_order, first_order_of_each
 from msbsdf_cli.methods.traits import Traits
+from msbsdf_cli.methods.walks import Walks, first_facet
 from msbsdf_cli.smith.integrated_heights import IntegratedHeights, arriving_heights, extinction_of
 from msbsdf_cli.smith.slopes import Slopes
-from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
+from msbsdf_cli.smith.walk import BLOCK
 from surfaces.batch import concatenate
 from surfaces.facet import Array
 from surfaces.materials import Material
@@ -41,14 +40,13 @@ this one. Of mirrors, hardly a path comes so far unless roughness is well above 
 
 
 @dataclass(kw_only=True)
-class IntegratedPaths(Paths):
+class IntegratedPaths(Walks):
     """Paths with the columns of `IntegratedHeights`, all with as many ways down."""
 
     throughput: Array
     """1 over the probability that roulette let the path come so far, (n,)."""
-    t: Array
     hit: Array
-    """Heights sampled along with the directions, for later use, and their probability, (n,)."""
+    """Probability of the heights t, which are sampled along for later use, (n,)."""
     extinction: Array
     follow: Array
     up: Array
@@ -88,20 +86,34 @@ class Exact(SampledByWalk):
         out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         estimate = Estimate(self.material.channels, self.orders, out.n)
         for n in batches(samples, out.n):
-            self._follow(wi, n, out, estimate, rng)
+            self._follow(np.tile(-wi[:, None], n), None, out, estimate, rng)
             estimate.close_batch()
         value, stderr = estimate.mean(samples)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
         stderr[:, 0] = 0
         return Evaluation(value, stderr)
 
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        out, start = outgoing(self.slopes, wo, each=True), np.arange(wo.shape[1])
+        estimate = Estimate(self.material.channels, 0, out.n)
+        self._follow(-wi, start, out, estimate, rng)
+        estimate.close_batch()
+        first = first_order_of_each(self.slopes, self.material, wi, out, rng)
+        return first + estimate.sums[:, 0]
+
     def _follow(
-        self, wi: Array, n: int, out: Outgoing, estimate: Estimate, rng: np.random.Generator
+        self,
+        d: Array,
+        start: Array | None,
+        out: Outgoing,
+        estimate: Estimate,
+        rng: np.random.Generator,
     ) -> None:
-        """Add what `n` paths send to the outgoing directions from their second facet on."""
-        groups = [self._arrive(wi, n, rng)]
+        """Add what paths along `d` (3, n) send to the outgoing directions from their second facet
+        on."""
+        groups = [self._arrive(d, start, rng)]
         for order in count(1):
-            if order == self.orders + 1:
+            if order == estimate.orders + 1:
                 _open_tail(groups, out, estimate)
             if order == (HEIGHTS_FROM_MIRRORS if mirrors(self.material) else HEIGHTS_FROM):
                 self._sample_heights(groups, out, estimate, order, rng)
@@ -111,23 +123,21 @@ class Exact(SampledByWalk):
                 for block in paths.blocks(BLOCK):
                     block.m = meet(self.slopes, self.material, block, rng)
                     if order > 1:
-                        for piece in block.blocks(lanes_for(out.n)):
-                            estimate.add(order, self._towards(piece, out), piece.slot)
+                        for piece in block.blocks(lanes_for(out.per_path)):
+                            value = self._towards(piece, out)
+                            estimate.add(order, value, piece.slot, piece.start)
                     for after in self._leave_facet(block, rng):
                         parts[len(after.extinction)].append(after)
             groups = [concatenate(same_depth) for same_depth in parts.values()]
             if not groups:
                 return
 
-    def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> IntegratedPaths:
-        columns = arriving(self.slopes, self.material, np.tile(-wi[:, None], n), np.zeros(n, bool))
-        heights = arriving_heights(
-            extinction_of(columns["d"], columns["sigma"]), not mirrors(self.material)
-        )
-        E = exponential(n, rng, wi.dtype.type)
-        _, t = free_path(np.zeros(n, wi.dtype), columns["d"], columns["sigma"], E)
-        one = np.ones(n, wi.dtype)
-        return IntegratedPaths(**columns, t=t, hit=one, throughput=one, **vars(heights))
+    def _arrive(self, d: Array, start: Array | None, rng: np.random.Generator) -> IntegratedPaths:
+        n = d.shape[1]
+        walks = first_facet(self.slopes, self.material, d, np.zeros(n, bool), rng, start)
+        heights = arriving_heights(extinction_of(d, walks.sigma), not mirrors(self.material))
+        one = np.ones(n, d.dtype)
+        return IntegratedPaths(**vars(walks), hit=one, throughput=one, **vars(heights))
 
     def _sample_heights(
         self,
@@ -143,6 +153,7 @@ class Exact(SampledByWalk):
                 d=g.d,
                 sigma=g.sigma,
                 slot=g.slot,
+                start=g.start,
                 weight=g.weight,
                 t=g.t,
                 throughput=g.throughput * g.hit,
@@ -156,7 +167,7 @@ class Exact(SampledByWalk):
     def _towards(self, paths: IntegratedPaths, out: Outgoing) -> Array:
         """Next events, (channels, n, directions)."""
         phase, colour = next_event(self.slopes, self.material, paths, out)
-        leaves = paths.heights.leaving(out.Lambda)[0]
+        leaves = paths.heights.leaving(out.seen_by(paths.start).Lambda)[0]
         leaves *= paths.throughput[:, None]
         return coloured(phase * leaves, colour, paths.weight)
 
@@ -192,8 +203,10 @@ def mirrors(material: Material) -> bool:
 
 
 def _open_tail(groups: list[IntegratedPaths], out: Outgoing, estimate: Estimate) -> None:
-    first = 0
+    first, starts = 0, []
     for paths in groups:
         paths.slot = np.arange(first, first + paths.n)
         first += paths.n
-    estimate.open_tail(first, out.n)
+        if paths.start is not None:
+            starts.append(paths.start)
+    estimate.open_tail(first, out.per_path, np.concatenate(starts) if starts else None)

@@ -7,10 +7,9 @@ import numpy as np
 
 from msbsdf_cli.methods.base import Outgoing
 from msbsdf_cli.methods.estimate import Estimate
-from msbsdf_cli.methods.paths import Paths, coloured, follow, next_event, scatter
-from msbsdf_cli.methods.walk import escape
+from msbsdf_cli.methods.paths import coloured, follow, next_event
+from msbsdf_cli.methods.walks import Walks, escape, leave_facet
 from msbsdf_cli.smith.slopes import Slopes
-from msbsdf_cli.smith.walk import flip
 from surfaces.facet import Array
 from surfaces.materials import Material
 
@@ -20,10 +19,9 @@ unbiased; with 4 variance times time was smallest, or nearly, over roughness 0.3
 
 
 @dataclass(kw_only=True)
-class ForcedPaths(Paths):
-    """Paths with their coordinate t = -ln C1(h), at the facet they met."""
+class ForcedPaths(Walks):
+    """Walks that always meet another facet."""
 
-    t: Array
     throughput: Array
     """Probability to have come so far, over the probability that roulette let it, (n,)."""
     other: Array | None = None
@@ -54,17 +52,6 @@ def forced_free_path(
     return np.maximum(t - step, np.finfo(t.dtype).tiny), probability.astype(t.dtype, copy=False)
 
 
-def leave_facet(
-    slopes: Slopes, material: Material, walks: ForcedPaths, rng: np.random.Generator
-) -> ForcedPaths:
-    """The walks in their directions after the facet."""
-    assert walks.m is not None
-    after, transmitted = scatter(slopes, material, walks, walks.m, rng)
-    if transmitted is not None:
-        after.t = np.where(transmitted, flip(after.t), after.t)
-    return after
-
-
 def next_facet(walks: ForcedPaths, rng: np.random.Generator) -> ForcedPaths:
     """The walks that roulette leaves, at their next facet."""
     walks.t, probability = forced_free_path(walks.t, walks.d, walks.sigma, rng)
@@ -89,10 +76,11 @@ def follow_forced_paths(
 
     def value(walks: ForcedPaths) -> Array:
         phase, colour = next_event(slopes, material, walks, out)
-        here = weigh(phase * escape(walks.t, walks.inside, out), walks)
+        leaves = escape(walks.t, walks.inside, out.seen_by(walks.start))
+        here = weigh(phase * leaves, walks)
         return coloured(here * walks.throughput[:, None], colour, walks.weight)
 
     def go_on(walks: ForcedPaths) -> ForcedPaths:
         return next_facet(leave_facet(slopes, material, walks, rng), rng)
 
-    follow(slopes, material, walks, out.n, estimate, rng, value, go_on, order)
+    follow(slopes, material, walks, out.per_path, estimate, rng, value, go_on, order)

@@ -77,11 +77,11 @@ def send(
 ) -> Array:
     """Next events of paths at a facet, (channels, n, directions)."""
     phase, colour = next_event(slopes, material, paths, out)
-    through: Array | bool = False
+    ends, through = out.seen_by(paths.start), np.zeros(1, bool)
     if paths.inside is not None:
-        through = paths.inside[:, None] != out.inside
+        through = paths.inside[:, None] != ends.inside
     leaves = leaving_probability(
-        paths.extinction[:, None], out.w[:, None], out.Lambda[None], through, correlated
+        paths.extinction[:, None], ends.w, ends.Lambda, through, correlated
     )
     return coloured(phase * leaves * paths.throughput[:, None], colour, paths.weight)
 

@@ -33,7 +33,8 @@ class Paths(Batch):
     inside: Array | None = None
     """Who travels in the inner medium, (n,) of bool."""
     start: Array | None = None
-    """Number of the direction that the path starts from, where they differ, (n,)."""
+    """Number of the direction that the path starts from, where they differ, (n,); with a texture
+    roughness differs alike."""
     m: Array | None = None
     """Normal of the facet that was met, (3, n), of length 1 unless facets are specular."""
 
@@ -87,6 +88,7 @@ def follow(
 
 def meet(slopes: Slopes, material: Material, paths: Paths, rng: np.random.Generator) -> Array:
     """Normals of the facets that the paths meet, visible to them."""
+    slopes = slopes.at(paths.start)
     m = slopes.visible_normals(-paths.d, paths.n, rng)
     return m if material.specular else m / np.sqrt(dot(m, m))
 
@@ -95,6 +97,7 @@ def scatter(
     slopes: Slopes, material: Material, paths: P, m: Array, rng: np.random.Generator
 ) -> tuple[P, Array | None]:
     """The paths after their facets `m`, and who of them changed sides."""
+    slopes = slopes.at(paths.start)
     d, gain, transmitted = material.scatter(paths.d, m, paths.inside, rng)
     weight, inside = paths.weight, paths.inside
     if gain is not None and weight is not None:
@@ -114,6 +117,8 @@ def next_event(
 
     For diffuse facets it is that of the one normal that was met, an unbiased stand-in.
     """
+    if out.each:
+        return _own_event(slopes, material, paths, out)
     if not material.specular:
         assert paths.m is not None
         phase = material.lobe(paths.m.T @ out.w)
@@ -140,6 +145,23 @@ def next_event(
     return phase, None
 
 
+def _own_event(
+    slopes: Slopes, material: Material, paths: Paths, out: Outgoing
+) -> tuple[Array, Array | None]:
+    """`next_event` where each path looks towards a direction of its own, (n, 1)."""
+    w, inside = out.w[:, paths.start], out.inside[paths.start]
+    if not material.specular:
+        assert paths.m is not None
+        phase = material.lobe(dot(paths.m, w))
+        colour: Array | None = np.array(material.albedos, phase.dtype)[:, None]
+    else:
+        density, colour = pair_density(slopes, material, paths, w, inside)
+        phase = density * material.squared_index(inside) / paths.sigma
+    if paths.inside is None:
+        phase = np.where(inside, 0, phase)
+    return phase[:, None], None if colour is None else colour[:, :, None]
+
+
 def coloured(phase: Array, colour: Array | None, weight: Array | None) -> Array:
     """Values (n, directions) in each channel, (channels, n, directions)."""
     value = phase[None]
@@ -161,17 +183,18 @@ def pair_density(
 
     Light carries energy, whose density per steradian grows with the square of the index.
     """
+    slopes = slopes.at(paths.start)
     if paths.inside is None or inside is None:
         return material.reflection(slopes, paths.d, w)
     density = np.empty(paths.n, w.dtype)
     for here in (False, True):
         for there in (False, True):
             lanes = np.flatnonzero((paths.inside == here) & (inside == there))
-            pair = paths.d[:, lanes], w[:, lanes]
+            pair = slopes.at(lanes), paths.d[:, lanes], w[:, lanes]
             if here == there:
-                part = material.reflection(slopes, *pair, here)[0]
+                part = material.reflection(*pair, here)[0]
             else:
-                part = material.refraction(slopes, *pair, here)
+                part = material.refraction(*pair, here)
             density[lanes] = part / material.squared_index(there)
     return density, None
 
@@ -186,4 +209,4 @@ def reversed_phase(slopes: Slopes, material: Material, before: Paths, after: Pat
     density, _ = pair_density(slopes, material, before, after.d, after.inside)
     if before.inside is not None:
         density = density * material.squared_index(before.inside)
-    return density / slopes.sigma(-after.d)
+    return density / slopes.at(before.start).sigma(-after.d)

@@ -11,7 +11,7 @@ from msbsdf_cli.methods.path_factors import FactoredPaths, go_on, leaving_probab
 from msbsdf_cli.methods.paths import arriving, follow, meet, scatter
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import FollowsPaths
-from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.methods.single import first_order, first_order_of_each
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.integrated_heights import extinction_of
 from msbsdf_cli.smith.slopes import Slopes
@@ -44,47 +44,69 @@ class PositionFree(FollowsPaths):
         estimate = Estimate(self.material.channels, self.orders, out.n)
         one_batch = self._connect if self.bidirectional else self._send
         for n in batches(samples, out.n):
-            one_batch(wi, n, out, estimate, rng)
+            one_batch(np.tile(-wi[:, None], n), None, out, estimate, rng)
             estimate.close_batch()
         value, stderr = estimate.mean(samples)
         value[:, 0] = first_order(self.slopes, self.material, wi, out, self.correlated)
         stderr[:, 0] = 0
         return Evaluation(value, stderr)
 
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        out, start = outgoing(self.slopes, wo, each=True), np.arange(wo.shape[1])
+        estimate = Estimate(self.material.channels, 0, out.n)
+        self._send(-wi, start, out, estimate, rng)
+        estimate.close_batch()
+        first = first_order_of_each(self.slopes, self.material, wi, out, rng, self.correlated)
+        return first + estimate.sums[:, 0]
+
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """By visible normals, leaving with the model's probability: perfect but for absorption."""
         w = np.empty((3, n), wi.dtype)
         weight = np.ones((self.material.channels, n), wi.dtype)
         for start in range(0, n, BLOCK):
-            paths = self._arrive(wi, min(BLOCK, n - start))
+            paths = self._arrive(np.tile(-wi[:, None], min(BLOCK, n - start)))
             paths.slot += start
             while paths.n:
                 paths = self._sample_facet(paths, w, weight, rng)
         return w, weight
 
-    def _arrive(self, wi: Array, n: int) -> FactoredPaths:
-        columns = arriving(self.slopes, self.material, np.tile(-wi[:, None], n), np.zeros(n, bool))
-        extinction = extinction_of(columns["d"], columns["sigma"])
-        return FactoredPaths(**columns, extinction=extinction, throughput=np.ones(n, wi.dtype))
+    def sample_each(self, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        n = wi.shape[1]
+        w, weight = np.empty_like(wi), np.ones((self.material.channels, n), wi.dtype)
+        paths = self._arrive(-wi, np.arange(n))
+        while paths.n:
+            paths = self._sample_facet(paths, w, weight, rng)
+        return w, weight
+
+    def _arrive(self, d: Array, start: Array | None = None) -> FactoredPaths:
+        n = d.shape[1]
+        columns = arriving(self.slopes, self.material, d, np.zeros(n, bool))
+        extinction = extinction_of(d, columns["sigma"])
+        one = np.ones(n, d.dtype)
+        return FactoredPaths(**columns, extinction=extinction, throughput=one, start=start)
 
     def _send(
-        self, wi: Array, n: int, out: Outgoing, estimate: Estimate, rng: np.random.Generator
+        self,
+        d: Array,
+        start: Array | None,
+        out: Outgoing,
+        estimate: Estimate,
+        rng: np.random.Generator,
     ) -> None:
-        """Add what `n` paths from `wi` send to the outgoing directions from their second facet
+        """Add what paths along `d` (3, n) send to the outgoing directions from their second facet
         on."""
         again = partial(go_on, self.slopes, self.material, correlated=self.correlated, rng=rng)
-        paths = self._arrive(wi, n)
+        paths = self._arrive(d, start)
         paths.m = meet(self.slopes, self.material, paths, rng)
         value = partial(send, self.slopes, self.material, out=out, correlated=self.correlated)
-        follow(
-            self.slopes, self.material, again(paths), out.n, estimate, rng, value, again, order=2
-        )
+        per_path, paths = out.per_path, again(paths)
+        follow(self.slopes, self.material, paths, per_path, estimate, rng, value, again, order=2)
 
     def _connect(
-        self, wi: Array, n: int, out: Outgoing, estimate: Estimate, rng: np.random.Generator
+        self, d: Array, start: None, out: Outgoing, estimate: Estimate, rng: np.random.Generator
     ) -> None:
         connect_bidirectionally(
-            self.slopes, self.material, self.correlated, wi, n, out, estimate, rng
+            self.slopes, self.material, self.correlated, -d[:, 0], d.shape[1], out, estimate, rng
         )
 
     def _sample_facet(

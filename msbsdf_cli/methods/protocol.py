@@ -1,7 +1,7 @@
 """What every method offers: evaluation per order, and sampling where it can."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -67,3 +67,17 @@ class Method(Protocol):
 
     def pdf(self, wi: Array, wo: Array) -> Array:
         """A density (n,) per steradian to weigh samples of `sample` against other strategies."""
+
+    def of_lanes(self, slopes: Slopes) -> Self:
+        """The same method for lanes (n,) of light, each with a roughness of its own. Raises
+        UnsupportedError where the trait `pairs` does not hold."""
+
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        """One estimate of all orders together, (channels, n), for each pair of directions of `wi`
+        and `wo` (3, n), as a renderer asks. Raises UnsupportedError likewise."""
+
+    def sample_each(self, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """`sample` with one direction for each of `wi` (3, n)."""
+
+    def pdf_each(self, wi: Array, wo: Array) -> Array:
+        """`pdf` for each pair of directions."""

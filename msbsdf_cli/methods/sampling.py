@@ -7,6 +7,7 @@ import numpy as np
 from msbsdf_cli.methods.base import MethodBase, outgoing
 from msbsdf_cli.methods.single import phase_density
 from msbsdf_cli.methods.undersampling import undersampling_bound
+from msbsdf_cli.methods.walks import sample_each
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
@@ -40,7 +41,7 @@ def sample_walk(
 
 def broadened_pdf(slopes: Slopes, material: Material, wi: Array, wo: Array) -> Array:
     """A density (n,) for multiple importance sampling: the first bounce's, and a cosine lobe on
-    each side that light can leave on, as [HHdD16] Section 9 proposes."""
+    each side that light can leave on, as [HHdD16] Section 9 proposes. `wi` is (3,) or (3, n)."""
     cosine = np.abs(wo[2]) / np.pi
     if not material.specular:
         return np.where(wo[2] > 0, cosine, 0)
@@ -60,9 +61,15 @@ class FollowsPaths(MethodBase):
     def pdf(self, wi: Array, wo: Array) -> Array:
         return broadened_pdf(self.slopes, self.material, wi, wo)
 
+    def pdf_each(self, wi: Array, wo: Array) -> Array:
+        return broadened_pdf(self.slopes, self.material, wi, wo)
+
 
 class SampledByWalk(FollowsPaths):
     """Base of the methods that evaluate the random walk's own model: the walk samples it."""
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         return sample_walk(self.slopes, self.material, wi, n, rng)
+
+    def sample_each(self, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        return sample_each(self.slopes, self.material, wi, rng)

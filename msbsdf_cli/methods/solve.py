@@ -66,7 +66,7 @@ class Solve(MethodBase):
     """
 
     name = "solve"
-    traits = Traits("#0072b2", "P", samples=False)
+    traits = Traits("#0072b2", "P", samples=False, pairs=False)
     deterministic = True
 
     def __init__(

@@ -23,6 +23,8 @@ class Traits:
     that `validate` can hold it to identities; fits and thresholds are not."""
     samples: bool = True
     """Whether it draws outgoing directions."""
+    pairs: bool = True
+    """Whether it takes pairs of directions one by one, with a roughness each, as pixels ask."""
     energy_error: Mapping[str, float] = field(default_factory=dict)
     """Known error of energies by material, 0 where it is not named."""
     energy_error_because: str = ""

@@ -1,11 +1,20 @@
 """What Blender ships: single scattering, brightened until the energy is right."""
 
+from copy import copy
+from functools import cached_property
+from typing import Self
+
 import numpy as np
 
+from msbsdf_cli.methods.albedo_table import (
+    Albedo,
+    AlbedoOfLanes,
+    TexturedAlbedo,
+    roughness_of_lanes,
+)
 from msbsdf_cli.methods.base import MethodBase, outgoing
-from msbsdf_cli.methods.energy_compensated import Albedo
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
-from msbsdf_cli.methods.single import Single, first_order
+from msbsdf_cli.methods.single import Single, first_order, first_order_of_each
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
@@ -38,7 +47,7 @@ class Turquin(MethodBase):
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
         super().__init__(slopes, material, orders)
         self.single = Single(slopes, material, orders)
-        self.E = Albedo(slopes, material, inside=False)
+        self.E: Albedo | AlbedoOfLanes = Albedo(slopes, material, inside=False)
         self.F0 = material.reflectance(np.ones(1))[:, 0]
 
     @classmethod
@@ -58,7 +67,7 @@ class Turquin(MethodBase):
         value = np.zeros((self.material.channels, self.orders + 1, out.n), wi.dtype)
         stderr = np.zeros_like(value)
         value[:, 0] = first_order(self.slopes, self.material, wi, out)
-        value[:, -1] = value[:, 0] * self._added(wi)[:, None]
+        value[:, -1] = value[:, 0] * self._added(wi[:, None])
         E_i = self.E(wi[:, None])
         stderr[:, -1] = value[:, 0] * (self.F0[:, None] * self.E.error / E_i**2)
         return Evaluation(value, stderr)
@@ -66,13 +75,38 @@ class Turquin(MethodBase):
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """As single scattering, brightened."""
         w, weight = self.single.sample(wi, n, rng)
-        return w, weight * (1 + self._added(wi))[:, None]
+        return w, weight * (1 + self._added(wi[:, None]))
 
     def pdf(self, wi: Array, wo: Array) -> Array:
         """The density of `sample`; what it sends back into the surface is missing from it."""
         return self.single.pdf(wi, wo)
 
+    def of_lanes(self, slopes: Slopes) -> Self:
+        if not slopes.textured:
+            return self
+        lanes, alpha = copy(self), roughness_of_lanes(slopes)
+        lanes.slopes, lanes.single = slopes, self.single.of_lanes(slopes)
+        lanes.E = AlbedoOfLanes(self.textured, alpha)
+        return lanes
+
+    @cached_property
+    def textured(self) -> TexturedAlbedo:
+        """Albedos over all roughnesses up to this one."""
+        return TexturedAlbedo(self.slopes, self.material, inside=False)
+
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        out = outgoing(self.slopes, wo)
+        first = first_order_of_each(self.slopes, self.material, wi, out, rng)
+        return first * (1 + self._added(wi))
+
+    def sample_each(self, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        w, weight = self.single.sample_each(wi, rng)
+        return w, weight * (1 + self._added(wi))
+
+    def pdf_each(self, wi: Array, wo: Array) -> Array:
+        return self.single.pdf_each(wi, wo)
+
     def _added(self, wi: Array) -> Array:
-        """What the later orders are of the first, (channels,)."""
-        E_i = float(self.E(wi[:, None])[0])
-        return self.F0 * (1 - E_i) / E_i
+        """What the later orders are of the first, (channels, n), for `wi` (3, n)."""
+        E_i = self.E(wi)
+        return self.F0[:, None] * (1 - E_i) / E_i

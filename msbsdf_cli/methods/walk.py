@@ -1,32 +1,18 @@
 """The random walk of [HHdD16] with next-event estimation, as published."""
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from msbsdf_cli.methods.base import Outgoing, outgoing
 from msbsdf_cli.methods.estimate import Estimate, batches
-from msbsdf_cli.methods.paths import (
-    Paths,
-    arriving,
-    coloured,
-    follow,
-    next_event,
-    scatter,
-)
+from msbsdf_cli.methods.paths import coloured, follow, next_event
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
 from msbsdf_cli.methods.traits import Traits
-from msbsdf_cli.smith.walk import exponential, flip, free_path
+from msbsdf_cli.methods.walks import Walks, escape, first_facet, leave_facet
+from msbsdf_cli.smith.walk import exponential, free_path
 from surfaces.facet import Array
-
-
-@dataclass(kw_only=True)
-class Walks(Paths):
-    """Paths with their coordinate t = -ln C1(h), at the facet they met."""
-
-    t: Array
 
 
 class Walk(SampledByWalk):
@@ -43,55 +29,43 @@ class Walk(SampledByWalk):
         out = outgoing(self.slopes, wo.astype(wi.dtype, copy=False))
         estimate = Estimate(self.material.channels, self.orders, out.n)
         for n in batches(samples, out.n):
-            follow(
-                self.slopes,
-                self.material,
-                self._arrive(wi, n, rng),
-                out.n,
-                estimate,
-                rng,
-                partial(self._towards, out=out),
-                partial(self._leave_facet, rng=rng),
-            )
+            self._follow(np.tile(-wi[:, None], n), None, out, estimate, rng)
             estimate.close_batch()
         return Evaluation(*estimate.mean(samples))
 
-    def _arrive(self, wi: Array, n: int, rng: np.random.Generator) -> Walks:
-        """At the first facet: a free path from t = 0."""
-        d = np.tile(-wi[:, None], n)
-        columns = arriving(self.slopes, self.material, d, np.zeros(n, bool))
-        E = exponential(n, rng, wi.dtype.type)
-        _, t = free_path(np.zeros(n, wi.dtype), d, columns["sigma"], E)
-        return Walks(**columns, t=t)
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        out = outgoing(self.slopes, wo, each=True)
+        estimate = Estimate(self.material.channels, 0, out.n)
+        self._follow(-wi, np.arange(out.n), out, estimate, rng)
+        estimate.close_batch()
+        return estimate.sums[:, 0]
+
+    def _follow(
+        self,
+        d: Array,
+        start: Array | None,
+        out: Outgoing,
+        estimate: Estimate,
+        rng: np.random.Generator,
+    ) -> None:
+        inside = np.zeros(d.shape[1], bool)
+        walks = first_facet(self.slopes, self.material, d, inside, rng, start)
+        towards, on = partial(self._towards, out=out), partial(self._leave_facet, rng=rng)
+        follow(self.slopes, self.material, walks, out.per_path, estimate, rng, towards, on)
 
     def _towards(self, walks: Walks, out: Outgoing) -> Array:
         """Next events, (channels, n, directions)."""
         phase, colour = next_event(self.slopes, self.material, walks, out)
-        return coloured(phase * escape(walks.t, walks.inside, out), colour, walks.weight)
+        return coloured(
+            phase * escape(walks.t, walks.inside, out.seen_by(walks.start)), colour, walks.weight
+        )
 
     def _leave_facet(self, walks: Walks, rng: np.random.Generator) -> Walks:
         """The walks that meet another facet, and where."""
-        assert walks.m is not None
-        after, transmitted = scatter(self.slopes, self.material, walks, walks.m, rng)
-        if transmitted is not None:
-            after.t = np.where(transmitted, flip(after.t), after.t)
+        after = leave_facet(self.slopes, self.material, walks, rng)
         E = exponential(after.n, rng, after.d.dtype.type)
         leaves, after.t = free_path(after.t, after.d, after.sigma, E)
         stays = ~leaves
         if after.weight is not None:
             stays &= after.weight.any(axis=0)
         return after.compress(stays)
-
-
-def escape(t: Array, inside: Array | None, out: Outgoing) -> Array:
-    """Probability exp(-Lambda t) of leaving in each outgoing direction, (n, directions), from
-    `t` (n,)."""
-    if inside is None:
-        return _escape(t, out.Lambda)
-    return np.where(
-        inside[:, None] == out.inside, _escape(t, out.Lambda), _escape(flip(t), out.Lambda)
-    )
-
-
-def _escape(t: Array, Lambda: Array) -> Array:
-    return np.exp(-np.outer(t, Lambda))

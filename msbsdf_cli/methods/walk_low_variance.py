@@ -1,28 +1,21 @@
 """The random walk with the variance reduction of [HHdD16] Section 9.1."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from msbsdf_cli.methods.base import Outgoing, adjoint_weight, outgoing
 from msbsdf_cli.methods.estimate import Estimate, batches
-from msbsdf_cli.methods.forced_collisions import (
-    ForcedPaths,
-    follow_forced_paths,
-    leave_facet,
-    next_facet,
-)
-from msbsdf_cli.methods.paths import (
-    arriving,
-    meet,
-    reversed_phase,
-)
+from msbsdf_cli.methods.forced_collisions import ForcedPaths, follow_forced_paths, next_facet
+from msbsdf_cli.methods.paths import meet, reversed_phase
 from msbsdf_cli.methods.protocol import Evaluation
 from msbsdf_cli.methods.sampling import SampledByWalk
-from msbsdf_cli.methods.single import first_order
+from msbsdf_cli.methods.single import first_order, first_order_of_each
 from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.methods.undersampling import undersampling_bound
-from msbsdf_cli.smith.walk import BLOCK, exponential, free_path
+from msbsdf_cli.methods.walks import first_facet, leave_facet
+from msbsdf_cli.smith.walk import BLOCK
 from surfaces.batch import concatenate
 from surfaces.facet import Array
 
@@ -61,6 +54,22 @@ class WalkLowVariance(SampledByWalk):
         stderr[:, 0] = 0
         return Evaluation(value, stderr)
 
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        """A walk from either end: `evaluate` with n_i = n_o = 1."""
+        out, start = outgoing(self.slopes, wo, each=True), np.arange(wo.shape[1])
+        ends = _Ends(out, 1.0, adjoint_weight(self.material, out) / wi[2])
+        estimate = Estimate(self.material.channels, 0, out.n)
+        walks = self._arrive(-wi, np.zeros(out.n, bool), rng, start)
+        self._follow(walks, out, ends.from_wi, estimate, rng)
+        estimate.close_batch()
+        if self.material.specular:
+            walks = self._arrive(-out.w, out.inside, rng, start)
+            back = outgoing(self.slopes, wi, each=True)
+            self._follow(walks, back, ends.from_wo, estimate, rng)
+            estimate.close_batch()
+        first = first_order_of_each(self.slopes, self.material, wi, out, rng)
+        return first + estimate.sums[:, 0]
+
     def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         """Of either end, the less: a path counts by both."""
         out, (n_i, n_o) = outgoing(self.slopes, wo), self._shares(samples, wo.shape[1])
@@ -84,7 +93,7 @@ class WalkLowVariance(SampledByWalk):
         estimate = Estimate(self.material.channels, self.orders, ends.out.n)
         for n in batches(samples, ends.out.n):
             walks = self._arrive(np.tile(-wi[:, None], n), np.zeros(n, bool), rng)
-            self._follow(walks, ends.out, ends, estimate, rng)
+            self._follow(walks, ends.out, ends.from_wi, estimate, rng)
             estimate.close_batch()
         return estimate.mean(samples)
 
@@ -96,25 +105,23 @@ class WalkLowVariance(SampledByWalk):
         estimate = Estimate(self.material.channels, self.orders, out.n)
         for n in batches(samples, out.n):
             start = np.tile(np.arange(out.n), n)
-            walks = self._arrive(-out.w[:, start], out.inside[start], rng)
-            walks.start = start
-            self._follow(walks, outgoing(self.slopes, wi[:, None]), ends, estimate, rng)
+            walks = self._arrive(-out.w[:, start], out.inside[start], rng, start)
+            back = outgoing(self.slopes, wi[:, None])
+            self._follow(walks, back, ends.from_wo, estimate, rng)
             estimate.close_batch()
         return estimate.mean(samples)
 
-    def _arrive(self, d: Array, inside: Array, rng: np.random.Generator) -> ForcedPaths:
-        """At the first facet: a free path from t = 0."""
-        n = d.shape[1]
-        columns = arriving(self.slopes, self.material, d, inside)
-        E = exponential(n, rng, d.dtype.type)
-        _, t = free_path(np.zeros(n, d.dtype), d, columns["sigma"], E)
-        return ForcedPaths(**columns, t=t, throughput=np.ones(n, d.dtype))
+    def _arrive(
+        self, d: Array, inside: Array, rng: np.random.Generator, start: Array | None = None
+    ) -> ForcedPaths:
+        walks = first_facet(self.slopes, self.material, d, inside, rng, start)
+        return ForcedPaths(**vars(walks), throughput=np.ones(walks.n, d.dtype))
 
     def _follow(
         self,
         walks: ForcedPaths,
         out: Outgoing,
-        ends: "_Ends",
+        weigh: Callable[[Array, ForcedPaths], Array],
         estimate: Estimate,
         rng: np.random.Generator,
     ) -> None:
@@ -127,14 +134,14 @@ class WalkLowVariance(SampledByWalk):
                 after.other = self._seen_from_beyond(block, after)
             parts.append(next_facet(after, rng))
         follow_forced_paths(
-            self.slopes, self.material, concatenate(parts), out, estimate, rng, 2, ends.balance
+            self.slopes, self.material, concatenate(parts), out, estimate, rng, 2, weigh
         )
 
     def _seen_from_beyond(self, walks: ForcedPaths, after: ForcedPaths) -> Array:
         """What the same path, walked from its other end, would send to this walk's start."""
         # From the horizon Lambda is finite here, as in `outgoing`.
         cos = np.maximum(-walks.d[2], np.finfo(walks.d.dtype).eps ** 2)
-        Lambda = self.slopes.sigma(-walks.d) / cos
+        Lambda = self.slopes.at(walks.start).sigma(-walks.d) / cos
         back = reversed_phase(self.slopes, self.material, walks, after)
         return back * np.exp(-Lambda * walks.t)
 
@@ -149,16 +156,19 @@ class _Ends:
     scale: Array
     """What a walk from each outgoing direction counts, (directions,)."""
 
-    def balance(self, here: Array, walks: ForcedPaths) -> Array:
-        """Contributions (n, directions) of walks from wi, or from the directions that `start`
-        numbers, weighed against those of the same paths found from the other end."""
+    def from_wi(self, here: Array, walks: ForcedPaths) -> Array:
+        """Contributions (n, directions) of walks from wi, weighed against those of the same paths
+        found from the other end."""
         if walks.other is None:
             return here
-        tiny = np.finfo(here.dtype).tiny
-        there = walks.other[:, None]
-        if walks.start is None:
-            there = there * self.scale
-            return here * (there / np.maximum(there + self.per_walk * here, tiny))
-        here = here * self.scale[walks.start][:, None]
-        there = self.per_walk * there
-        return here * (there / np.maximum(here + there, tiny))
+        there = walks.other[:, None] * self._scale(walks)
+        return here * (there / np.maximum(there + self.per_walk * here, np.finfo(here.dtype).tiny))
+
+    def from_wo(self, here: Array, walks: ForcedPaths) -> Array:
+        """The same of walks from the directions that `start` numbers."""
+        assert walks.other is not None
+        here, there = here * self._scale(walks), self.per_walk * walks.other[:, None]
+        return here * (there / np.maximum(here + there, np.finfo(here.dtype).tiny))
+
+    def _scale(self, walks: ForcedPaths) -> Array:
+        return self.scale if walks.start is None else self.scale[walks.start][:, None]

@@ -8,7 +8,7 @@ from scipy import stats
 
 from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.forced_collisions import forced_free_path
-from msbsdf_cli.methods.walk import escape
+from msbsdf_cli.methods.walks import escape
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.walk import exponential, free_path
 from msbsdf_cli.statistics.multiple_testing import Finding
@@ -94,7 +94,7 @@ def distribution(c: Configuration, n: int, rng: np.random.Generator) -> Iterator
     shares = _density_over(edges, C1, power)
     t = HEIGHTS[c.heights].t(np.array([start]))
     if dirac:
-        closed = float(escape(t, None, outgoing(c.distribution(), d))[0, 0])
+        closed = float(escape(t, None, outgoing(c.distribution(), d).seen_by(None))[0, 0])
         because = f"rounding, error of Lambda, {NODES} nodes a bin"
         yield _exact(
             "free-path density and Dirac part",

@@ -54,7 +54,7 @@ class Published(FollowsPaths):
     """
 
     name = "published"
-    traits = Traits("#882255", "v", model="published", consistent=False)
+    traits = Traits("#882255", "v", model="published", consistent=False, pairs=False)
 
     def __init__(
         self,

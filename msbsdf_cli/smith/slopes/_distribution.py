@@ -5,9 +5,9 @@ sigma(d) of the facets that face a direction of travel `d` stands in for Lambda 
 normalisation of visible normals at once ([HHdD16] Eqs. 21 and 22).
 """
 
-import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from surfaces.facet import Array, unit_circle
 class Slopes(ABC):
     """A distribution of slopes with roughness `alpha_x`, `alpha_y`, above 0 and finite.
 
-    Raises ValueError for a roughness that is not.
+    Raises ValueError for a roughness that is not. Under a texture a roughness is an array (n,), one
+    number for each lane of light (`of_lanes`, `at`).
     """
 
     alpha_x: float
@@ -27,13 +28,30 @@ class Slopes(ABC):
     def __post_init__(self) -> None:
         for name in ("alpha_x", "alpha_y"):
             alpha = getattr(self, name)
-            if not 0 < alpha < math.inf:
+            if not np.all((alpha > 0) & (alpha < np.inf)):
                 raise ValueError(f"{name} is {alpha}: a roughness is a finite number above 0.")
 
     @property
     def name(self) -> str:
         """As on the command line: that of the file."""
         return type(self).__module__.rpartition(".")[2].replace("_", "-")
+
+    @property
+    def textured(self) -> bool:
+        """Whether each lane has a roughness of its own."""
+        return np.ndim(self.alpha_x) > 0
+
+    def of_lanes(self, alpha_x: Array, alpha_y: Array) -> Self:
+        """The same distribution with roughnesses (n,) of n lanes."""
+        lanes: dict[str, Any] = {"alpha_x": alpha_x, "alpha_y": alpha_y}
+        return replace(self, **lanes)
+
+    def at(self, lanes: Array | None) -> Self:
+        """The slopes that some of the lanes meet: the same for all of them without a texture."""
+        if not self.textured or lanes is None:
+            return self
+        x, y = np.asarray(self.alpha_x), np.asarray(self.alpha_y)
+        return self.of_lanes(x.take(lanes), y.take(lanes))
 
     @abstractmethod
     def D(self, m: Array) -> Array:
