@@ -37,6 +37,7 @@ STREAMS = {
     "stability reference": "directions of long walks: point",
     "export pairs": "directions in which a table is held against what it was made from",
     "without noise": "handed to methods that draw nothing",
+    "render": "paths from the camera: method, strategy, some of the pixels",
     "slab": "walks to a slab's image: method, roughness, repetition",
 }
 """Name of every stream, and what it serves; the numbers of its place are named after the colon."""

@@ -19,6 +19,7 @@ COMMANDS = {
     "validate": "The published identities, each with a figure and a verdict.",
     "furnace": "Directional albedo of every method; the white sphere.",
     "stability": "Where each method stops working, as a map.",
+    "render": "A small scene shaded by any method, side by side.",
     "recommend": "The cheapest model that each surface of a scene needs.",
     "export": "Tables that renderers load: the BSDF of all bounces, and albedos.",
     "tradeoff": "Error against time for every method, on one chart.",

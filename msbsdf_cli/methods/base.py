@@ -84,12 +84,12 @@ class MethodBase:
         each, for `wi` (3,); None where the method knows it no better than by adding up values."""
         return None
 
-    def of_lanes(self, slopes: Slopes) -> Self:
-        """The same method for lanes (n,) of light, each with a roughness of its own. Raises
-        UnsupportedError where the trait `pairs` does not hold."""
+    def of_lanes(self, slopes: Slopes, material: Material) -> Self:
+        """The same method for lanes (n,) of light, each with slopes and a material of its own.
+        Raises UnsupportedError where the trait `pairs` does not hold."""
         if not self.traits.pairs:
             raise UnsupportedError(ONE_WI.format(self.name))
-        return type(self)(slopes, self.material, self.orders)
+        return type(self)(slopes, material, self.orders)
 
     def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
         """One estimate of all orders together, (channels, n), for each pair of directions of `wi`

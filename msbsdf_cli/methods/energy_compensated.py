@@ -86,7 +86,7 @@ class EnergyCompensated(MethodBase):
         """The density of `sample`, (n,)."""
         return self.pdf_each(wi[:, None], wo)
 
-    def of_lanes(self, slopes: Slopes) -> Self:
+    def of_lanes(self, slopes: Slopes, material: Material) -> Self:
         if not slopes.textured:
             return self
         lanes, alpha = copy(self), roughness_of_lanes(slopes)

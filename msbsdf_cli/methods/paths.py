@@ -97,7 +97,7 @@ def scatter(
     slopes: Slopes, material: Material, paths: P, m: Array, rng: np.random.Generator
 ) -> tuple[P, Array | None]:
     """The paths after their facets `m`, and who of them changed sides."""
-    slopes = slopes.at(paths.start)
+    slopes, material = slopes.at(paths.start), material.at(paths.start)
     d, gain, transmitted = material.scatter(paths.d, m, paths.inside, rng)
     weight, inside = paths.weight, paths.inside
     if gain is not None and weight is not None:
@@ -122,8 +122,7 @@ def next_event(
     if not material.specular:
         assert paths.m is not None
         phase = material.lobe(paths.m.T @ out.w)
-        albedos = np.array(material.albedos, phase.dtype)
-        return np.where(out.inside, 0, phase), albedos[:, None, None]
+        return np.where(out.inside, 0, phase), material.kept(phase.dtype)[:, None]
     d, w = paths.d[:, :, None], out.w[:, None, :]
     sigma = paths.sigma[:, None]
     if paths.inside is None:
@@ -153,7 +152,7 @@ def _own_event(
     if not material.specular:
         assert paths.m is not None
         phase = material.lobe(dot(paths.m, w))
-        colour: Array | None = np.array(material.albedos, phase.dtype)[:, None]
+        colour: Array | None = material.at(paths.start).kept(phase.dtype)
     else:
         density, colour = pair_density(slopes, material, paths, w, inside)
         phase = density * material.squared_index(inside) / paths.sigma

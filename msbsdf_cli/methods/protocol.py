@@ -37,6 +37,7 @@ class Method(Protocol):
     """
 
     name: str
+    material: Material
     deterministic: bool
     """Whether values have no noise, so that samples make no difference."""
     traits: Traits
@@ -68,9 +69,9 @@ class Method(Protocol):
     def pdf(self, wi: Array, wo: Array) -> Array:
         """A density (n,) per steradian to weigh samples of `sample` against other strategies."""
 
-    def of_lanes(self, slopes: Slopes) -> Self:
-        """The same method for lanes (n,) of light, each with a roughness of its own. Raises
-        UnsupportedError where the trait `pairs` does not hold."""
+    def of_lanes(self, slopes: Slopes, material: Material) -> Self:
+        """The same method for lanes (n,) of light, each with slopes and a material of its own.
+        Raises UnsupportedError where the trait `pairs` does not hold."""
 
     def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
         """One estimate of all orders together, (channels, n), for each pair of directions of `wi`

@@ -94,8 +94,7 @@ def first_order_of_each(
     m = slopes.visible_normals(wi, out.n, rng)
     q = slopes.sigma(-wi) * material.lobe(dot(m, out.w) / np.sqrt(dot(m, m)))
     passes = masking_shadowing(slopes, wi, out.w, False, correlated)
-    kept = np.array(material.albedos)[:, None]
-    return np.asarray(kept * np.where(out.inside, 0, q * passes))
+    return np.asarray(material.kept() * np.where(out.inside, 0, q * passes))
 
 
 def _closed_form(

@@ -81,11 +81,11 @@ class Turquin(MethodBase):
         """The density of `sample`; what it sends back into the surface is missing from it."""
         return self.single.pdf(wi, wo)
 
-    def of_lanes(self, slopes: Slopes) -> Self:
+    def of_lanes(self, slopes: Slopes, material: Material) -> Self:
         if not slopes.textured:
             return self
         lanes, alpha = copy(self), roughness_of_lanes(slopes)
-        lanes.slopes, lanes.single = slopes, self.single.of_lanes(slopes)
+        lanes.slopes, lanes.single = slopes, self.single.of_lanes(slopes, material)
         lanes.E = AlbedoOfLanes(self.textured, alpha)
         return lanes
 

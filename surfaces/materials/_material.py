@@ -96,6 +96,14 @@ class Material(ABC):
         """Of facets that are not specular: the fraction of energy kept in each channel."""
         return (1.0,) * self.channels
 
+    def kept(self, dtype: Any = float) -> Array:
+        """The same as an array, (channels, 1), or (channels, n) where lanes differ."""
+        return np.array(self.albedos, dtype)[:, None]
+
+    def at(self, lanes: Array | None) -> Self:
+        """The material of some of the lanes of light: the same for all without a texture."""
+        return self
+
     @abstractmethod
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator

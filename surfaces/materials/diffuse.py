@@ -1,7 +1,7 @@
 """Lambertian facets."""
 
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -44,8 +44,8 @@ class Diffuse(Material):
         return len(self.albedos)
 
     @property
-    def lossless(self) -> Self:
-        return type(self)()
+    def lossless(self) -> "Diffuse":
+        return Diffuse()
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator
@@ -54,7 +54,7 @@ class Diffuse(Material):
         out = lambertian(m * (1 / np.sqrt(dot(m, m))), n, rng)
         if not self.absorbs:
             return Scattered(out)
-        return Scattered(out, gain=np.array(self.albedos)[:, None])
+        return Scattered(out, gain=self.kept())
 
     def lobe(self, cos_o: Array) -> Array:
         return np.maximum(cos_o, 0) / np.pi
@@ -69,4 +69,29 @@ class Diffuse(Material):
         for start in range(0, n, QUADRATURE_BLOCK):
             block = slice(start, start + QUADRATURE_BLOCK)
             density[block] = lambertian_density(normals, d[:, block], w[:, block])
-        return density, np.array(self.albedos, density.dtype)[:, None]
+        return density, self.kept(density.dtype)
+
+
+@dataclass(frozen=True, eq=False)
+class TexturedDiffuse(Diffuse):
+    """Lambertian facets under a texture: `lanes` (channels, n) are albedos of n lanes of light."""
+
+    lanes: Array = field(default_factory=lambda: np.ones((1, 1)))
+
+    def kept(self, dtype: Any = float) -> Array:
+        return self.lanes.astype(dtype, copy=False)
+
+    def at(self, lanes: Array | None) -> Self:
+        return self if lanes is None else replace(self, lanes=self.lanes.take(lanes, axis=1))
+
+    @property
+    def absorbs(self) -> bool:
+        return True
+
+    @property
+    def channels(self) -> int:
+        return len(self.lanes)
+
+    @property
+    def lossless(self) -> Diffuse:
+        return Diffuse()

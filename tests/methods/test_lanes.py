@@ -10,6 +10,7 @@ from msbsdf_cli.methods.registry import METHODS, holds
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.slopes import Beckmann, Ggx, Slopes
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
+from surfaces.materials.diffuse import TexturedDiffuse
 from surfaces.streams import stream
 
 GOLD = Conductor.named("gold", rgb=True)
@@ -32,7 +33,7 @@ def textured(name: str, slopes: Slopes, material: Material):
     alpha = np.array([pair[2] for pair in PAIRS])[order]
     wi, wo = (np.stack([pair[k] for pair in PAIRS], axis=1)[:, order] for k in (0, 1))
     method = METHODS[name](slopes, material, 1)
-    return method.of_lanes(slopes.of_lanes(alpha, alpha)), wi, wo
+    return method.of_lanes(slopes.of_lanes(alpha, alpha), material), wi, wo
 
 
 def cases():
@@ -71,6 +72,23 @@ def assert_same(lanes, value, stderr, slack):
     assert (np.abs(lanes.mean(axis=1) - value) < LIMIT * error + slack + 1e-9).all()
 
 
+@pytest.mark.parametrize("name", ["single", "walk", "walk-low-variance", "exact"])
+def test_lanes_have_albedos_of_their_own(name):
+    lanes, wi, wo = textured(name, Ggx(1.0, 1.0), Diffuse())
+    albedos = np.array([[0.9, 0.5, 0.2]])[:, np.arange(LANES) % len(PAIRS)]
+    lanes = lanes.of_lanes(lanes.slopes, TexturedDiffuse(lanes=albedos))
+    rng = stream(2, "evaluate", "lanes", name)
+    value, weight = lanes.evaluate_each(wi, wo, rng), lanes.sample_each(wi, rng)[1]
+    for k, (w_i, w_o, alpha) in enumerate(PAIRS[:2]):
+        of = METHODS[name](Ggx(alpha, alpha), Diffuse(float(albedos[0, k])), 1)
+        known = of.evaluate(w_i, w_o[:, None], WALKS, rng)
+        mine = value[:, k :: len(PAIRS)]
+        assert_same(mine, known.value.sum(axis=1)[:, 0], np.hypot(*known.stderr[:, :, 0].T), 0)
+        theirs = of.sample(w_i, LANES, rng)[1]
+        mine, spread = weight[:, k :: len(PAIRS)], theirs.std(axis=1) / np.sqrt(LANES)
+        assert_same(mine, theirs.mean(axis=1), spread, 0)
+
+
 def test_slopes_of_lanes():
     slopes = Beckmann(0.5, 0.5).of_lanes(np.array([0.1, 0.2, 0.3]), np.array([0.4, 0.5, 0.6]))
     some = slopes.at(np.array([2, 0]))
@@ -84,13 +102,13 @@ def test_slopes_of_lanes():
 def test_methods_without_pairs_say_so(name):
     method = partial(METHODS[name], Ggx(0.5, 0.5), Conductor(), 1)()
     with pytest.raises(UnsupportedError, match="not pairs"):
-        method.of_lanes(Ggx(0.5, 0.5))
+        method.of_lanes(Ggx(0.5, 0.5), Conductor())
 
 
 def test_tables_are_for_one_roughness_and_up_to_theirs():
     method = METHODS["turquin"](Ggx(0.5, 0.5), Conductor(), 1)
     one = np.full(2, 0.3)
     with pytest.raises(UnsupportedError, match="a texture has two"):
-        method.of_lanes(Ggx(0.5, 0.5).of_lanes(one, 2 * one))
+        method.of_lanes(Ggx(0.5, 0.5).of_lanes(one, 2 * one), Conductor())
     with pytest.raises(ValueError, match=r"above 0\.5"):
-        method.of_lanes(Ggx(0.5, 0.5).of_lanes(2 * one, 2 * one))
+        method.of_lanes(Ggx(0.5, 0.5).of_lanes(2 * one, 2 * one), Conductor())

@@ -1,0 +1,189 @@
+"""`msbsdf render`"""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Count, use
+from msbsdf_cli.experiments.render.scenes import NAMES, TEXTURES
+
+SURFACE = tuple(name for name in MODEL_IN_COLOUR if name not in ("theta", "phi"))
+GIVEN_BY_SCENE = ("material", "slopes", "alpha", "metal", "rgb", "texture", "method")
+
+
+@click.command("render")
+@click.argument("scene", required=False, default="plate", type=click.Choice(NAMES))
+@use("method", *SURFACE)
+@click.option(
+    "--texture",
+    type=click.Choice(TEXTURES),
+    help="plate: what differs from point to point, up to --alpha; by default roughness.",
+)
+@click.option(
+    "--samples",
+    type=Count(2),
+    default="64",
+    show_default=True,
+    help="Paths for each pixel.",
+)
+@click.option(
+    "--width", type=Count(8, most=8192), default="288", show_default=True, help="Pixels across."
+)
+@click.option(
+    "--strategy",
+    type=click.Choice(["mis", "bsdf", "light"]),
+    default="mis",
+    show_default=True,
+    help="How light is found: samples of the BSDF, of the lights, or both, weighed.",
+)
+@click.option("--exr", is_flag=True, help="Linear pictures as OpenEXR too.")
+@use("seed", "threads", *REPORT)
+def command(**options: Any) -> None:
+    """A small scene shaded by any method, side by side.
+
+    SCENE is `plate` (a texture of roughness, albedo or anisotropy), `furnace` (constant white
+    light, in which what loses no energy disappears), `sphere`, `bottle` or `slab`. Each has a
+    surface of its own, which options change. The first method is the one that others are held
+    against.
+    """
+    from msbsdf_cli.cli import common
+    from msbsdf_cli.cli.report import Report
+    from msbsdf_cli.experiments.render.picture import Settings, render, table_of
+    from msbsdf_cli.plots.render import draw_pictures
+
+    fill_in(options)
+    if options["exr"]:
+        check_exr()
+    stage = stage_from(options)
+    surface = common.scene_from(options | {"theta": (0.0,), "phi": (0.0,), "orders": 1})
+    methods = options["method"]
+    check_methods(surface, methods)
+    slug = f"{options['scene']}-{surface.material.name}-{surface.slopes.name}"
+    report = Report("render", slug, options)
+    report.warn(common.scene_warnings(options))
+    height = round(options["width"] / stage.camera.aspect)
+    paths = options["width"] * height * options["samples"] * len(methods)
+    work = f"{paths:.2g} paths from the camera"
+    report.warn(common.long_warnings(options, paths / PATHS_PER_S, work))
+    settings = Settings(
+        options["width"], height, options["samples"], options["seed"], options["strategy"]
+    )
+    with report.draft() as draft:
+        around = options["threads"], options["quiet"]
+        pictures = render(stage, surface.slopes, surface.material, methods, settings, *around)
+        report.warn(what_happened(pictures))
+        table = table_of(pictures)
+        report.write(draft, {"render.csv": table}, paths, more={"exposure": stage.exposure})
+        save_arrays(pictures, draft, options["exr"])
+        draw_pictures(pictures, stage.exposure, draft / "render.png")
+    report.end(lambda: show(table))
+
+
+PATHS_PER_S = 5e4
+"""Rough rate of one core."""
+
+
+def fill_in(options: dict[str, Any]) -> None:
+    """Put the scene's own surface where nothing was given; a texture goes where a roughness comes,
+    and its metal where another material does."""
+    from msbsdf_cli.experiments.render.scenes import defaults
+
+    context = click.get_current_context()
+    of_scene = defaults(options["scene"])
+    given = {
+        name
+        for name in options
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+    }
+    if {"material", "eta_k"} & given:
+        of_scene = {k: v for k, v in of_scene.items() if k not in ("metal", "rgb")}
+    for parameter in context.command.params:
+        name = parameter.name
+        if name in of_scene and name not in given:
+            options[name] = parameter.type_cast_value(context, of_scene[name])
+    if options["texture"] is None:
+        options["texture"] = "none"
+    if options["method"] is None:
+        options["method"] = ("single", "walk")
+
+
+def stage_from(options: dict[str, Any]) -> Any:
+    """The scene. Raises click.BadParameter for a texture that it does not have, or that the
+    surface does not."""
+    from msbsdf_cli.experiments.render.scenes import stage
+
+    if options["texture"] == "albedo" and options["material"] != "diffuse":
+        raise click.BadParameter(
+            f"albedo is of diffuse facets, and these are {options['material']}.",
+            param_hint="--texture",
+        )
+    try:
+        return stage(options["scene"], options["texture"])
+    except ValueError as error:
+        raise click.BadParameter(f"{error}", param_hint="--texture") from None
+
+
+def check_methods(surface: Any, methods: tuple[str, ...]) -> None:
+    """Raise click.BadParameter for a method that cannot shade this surface."""
+    from msbsdf_cli.experiments.render.picture import check_shades
+    from msbsdf_cli.methods.protocol import UnsupportedError
+
+    for name in methods:
+        try:
+            check_shades(name, surface.slopes, surface.material)
+        except UnsupportedError as refusal:
+            raise click.BadParameter(f"{refusal}.", param_hint="--method") from None
+
+
+def what_happened(pictures: list[Any]) -> list[str]:
+    """Sentences on paths that were lost."""
+    return [
+        f"{p.lost} of {p.mean[0].size * p.samples} paths by {p.method} were lost to rounding at "
+        "edges, and count as dark."
+        for p in pictures
+        if p.lost
+    ]
+
+
+def save_arrays(pictures: list[Any], draft: Path, exr: bool) -> None:
+    """Linear radiance (height, width, 3) and its standard error, as .npy and .exr."""
+    import numpy as np
+
+    for p in pictures:
+        for name, image in ((p.method, p.mean), (f"{p.method}_stderr", p.stderr)):
+            linear = np.moveaxis(image, 0, -1).astype(np.float32)
+            np.save(draft / f"{name}.npy", linear)
+            if exr:
+                from msbsdf_cli.renderers.exr import write_exr
+
+                write_exr(draft / f"{name}.exr", linear)
+
+
+def check_exr() -> None:
+    """Raise click.UsageError where OpenEXR is not installed."""
+    from importlib.util import find_spec
+
+    if find_spec("OpenEXR") is None:
+        raise click.UsageError(
+            "--exr: OpenEXR is not installed: pip install 'msbsdf[exr]' brings it."
+        )
+
+
+def show(table: Any) -> None:
+    """Print a line for each method."""
+    from msbsdf_cli.cli.terminal import measured, show_table
+
+    rows = [
+        (
+            table["method"][k],
+            measured(table["luminance"][k], table["luminance_stderr"][k]),
+            f"{100 * table['noise'][k]:.2g} %",
+            f"{table['seconds'][k]:.1f}",
+            f"{table['surfaces_per_path'][k]:.2f}",
+            measured(table["difference"][k], table["difference_stderr"][k]) if k else "",
+        )
+        for k in range(len(table["method"]))
+    ]
+    head = ("method", "mean luminance", "noise of a pixel", "processor s", "surfaces", "difference")
+    show_table(head, rows)

@@ -1,0 +1,1 @@
+"""Small scenes whose surfaces are shaded by any method: geometry, lights, paths, pictures."""
