@@ -1,0 +1,59 @@
+"""`msbsdf render` as a user meets it."""
+
+import json
+
+import numpy as np
+import pytest
+from command_line import msbsdf, refused, table
+
+TINY = ["--width", "12", "--samples", "2", "--threads", "1"]
+
+
+def test_a_report_has_pictures_tables_and_linear_data(tmp_path):
+    out = tmp_path / "plate"
+    result = msbsdf("render", *TINY, "--method", "single,walk", "--out", out, "--json")
+    assert result.returncode == 0, result.stderr
+    names = {"render.png", "render.csv", "run.json"}
+    arrays = {f"{m}{s}.npy" for m in ("single", "walk") for s in ("", "_stderr")}
+    assert {p.name for p in out.iterdir()} == names | arrays
+    rows = table(out / "render.csv")
+    image = np.load(out / "walk.npy")
+    assert image.shape == (8, 12, 3)
+    assert image.dtype == np.float32
+    assert float(rows[1]["luminance"]) == pytest.approx(
+        image.mean(axis=(0, 1)) @ [0.2126, 0.7152, 0.0722], rel=1e-5
+    )
+    said = json.loads(result.stdout)
+    assert said["options"]["texture"] == "roughness"
+    assert said["options"]["material"] == "dielectric"
+
+
+def test_scenes_have_surfaces_of_their_own_that_options_change(tmp_path):
+    def options(*words):
+        out = tmp_path / str(len(list(tmp_path.iterdir())))
+        result = msbsdf("render", *words, *TINY, "--method", "single", "--out", out, "--json")
+        assert result.returncode == 0, result.stderr
+        return json.loads(result.stdout)["options"]
+
+    assert options("sphere")["metal"] == "gold"
+    assert options("sphere", "--material", "diffuse")["metal"] is None
+    copper = options("sphere", "--metal", "copper", "--alpha", "0.3,0.1")
+    assert (copper["metal"], copper["rgb"], copper["alpha"]) == ("copper", True, [0.3, 0.1])
+    assert options("plate", "--texture", "none")["texture"] == "none"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["kitchen"], "kitchen"),
+        (["sphere", "--texture", "roughness"], "has no texture"),
+        (["plate", "--texture", "albedo"], "albedo is of diffuse facets"),
+        (["plate", "--method", "exact"], "conductors and diffuse"),
+        (["plate", "--method", "published"], "no pairs of directions"),
+        (["--samples", "1"], "too few"),
+        (["--width", "1e6"], "too many"),
+        (["--material", "conductor", "--eta-k", "1,2,3"], "not pairs"),
+    ],
+)
+def test_what_cannot_be_rendered_is_refused(words, said):
+    assert said in refused("render", *words)
