@@ -162,9 +162,12 @@ def _numbers(
 
 
 class Methods(click.ParamType):
-    """Names of methods separated by commas."""
+    """Names of methods separated by commas, and of what else is `also` taken for one."""
 
     name = "NAME[,NAME...]"
+
+    def __init__(self, also: tuple[str, ...] = ()) -> None:
+        self.names = (*METHODS, *also)
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -173,7 +176,7 @@ class Methods(click.ParamType):
             return value
         names = tuple(dict.fromkeys(part.strip() for part in value.split(",")))
         for name in names:
-            if name not in METHODS:
+            if name not in self.names:
                 self.fail(f"{quoted(name)} is not a method; --help lists them.", param, ctx)
         return names
 
@@ -251,6 +254,11 @@ _OPTIONS: dict[str, Any] = {
     ),
     "rgb": dict(is_flag=True, help="With --metal: red, green and blue in one run."),
     "method": dict(type=Methods(), metavar="NAME[,NAME...]", help=f"Of {', '.join(METHODS)}."),
+    "method-or-surfaces": dict(
+        type=Methods(("surfaces",)),
+        metavar="NAME[,NAME...]",
+        help=f"Of {', '.join(METHODS)}; or surfaces, light traced on explicit ones.",
+    ),
     "bidirectional": dict(
         is_flag=True, help="Position-free methods: sub-paths from both ends, all connections."
     ),
@@ -342,6 +350,7 @@ VARIANTS = {
     "albedo-channels": "albedo",
     "theta-furnace": "theta",
     "accuracy-of-solve": "accuracy",
+    "method-or-surfaces": "method",
 }
 """Options that some commands have in another form, by the name that the user types."""
 

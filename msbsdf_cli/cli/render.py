@@ -9,12 +9,11 @@ from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Count, use
 from msbsdf_cli.experiments.render.scenes import NAMES, TEXTURES
 
 SURFACE = tuple(name for name in MODEL_IN_COLOUR if name not in ("theta", "phi"))
-GIVEN_BY_SCENE = ("material", "slopes", "alpha", "metal", "rgb", "texture", "method")
 
 
 @click.command("render")
 @click.argument("scene", required=False, default="plate", type=click.Choice(NAMES))
-@use("method", *SURFACE)
+@use("method-or-surfaces", *SURFACE)
 @click.option(
     "--texture",
     type=click.Choice(TEXTURES),

@@ -7,19 +7,40 @@ light enters glass or leaves it.
 """
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
 from msbsdf_cli.experiments.render.body import local, world
 from msbsdf_cli.experiments.render.stage import Stage
 from msbsdf_cli.methods.forced_collisions import roulette
-from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.batch import Batch
 from surfaces.facet import Array, dot
+from surfaces.materials import Material
 
 STRATEGIES = ("mis", "bsdf", "light")
 """How light finds a surface: by samples of the BSDF, by samples of the lights, or by both."""
+
+
+class Shades(Protocol):
+    """What pixels ask of a method, as `methods.protocol.Method` has it, or of a table."""
+
+    @property
+    def material(self) -> Material:
+        """Of the facets."""
+
+    def of_lanes(self, slopes: Slopes, material: Material) -> "Shades":
+        """The same for lanes of light with slopes and a material of their own."""
+
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        """BSDF x cos(theta_o) of pairs of directions, (channels, n)."""
+
+    def sample_each(self, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """A direction for each of `wi` (3, n), and its weight (channels, n)."""
+
+    def pdf_each(self, wi: Array, wo: Array) -> Array:
+        """A density of samples, (n,)."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +48,15 @@ class Shader:
     """A method on either side of a surface of these slopes, which a texture may change."""
 
     slopes: Slopes
-    outside: Method
-    inside: Method | None = None
+    outside: Shades
+    inside: Shades | None = None
     """For light that arrives from within; None where nothing lets light through."""
+
+    @property
+    def error(self) -> float:
+        """What a table is off by, relative to the mean of its values; 0 without one."""
+        tables = (getattr(side, "table", None) for side in (self.outside, self.inside))
+        return max((table.error for table in tables if table is not None), default=0.0)
 
 
 @dataclass
@@ -161,7 +188,7 @@ class Integrator:
 
     def _sample_lights(
         self,
-        method: Method,
+        method: Shades,
         paths: CameraPaths,
         frames: Array,
         point: Array,

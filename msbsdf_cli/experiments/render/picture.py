@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.render.lights import LUMINANCE
-from msbsdf_cli.experiments.render.paths import Counts, Integrator, Shader
+from msbsdf_cli.experiments.render.paths import Counts, Integrator, Shader, Shades
 from msbsdf_cli.experiments.render.stage import Stage
+from msbsdf_cli.experiments.render.tables import TABULATED, check_tabulated, tabulated
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.results.files import Table
@@ -47,7 +48,11 @@ class Picture:
     seconds: float
     """Of processor time, for all paths."""
     surfaces: int
+    """Surfaces that the paths met."""
     lost: int
+    """Paths that rounding lost."""
+    table_error: float = 0.0
+    """Of a method that shades by a table: what that is off by, relative to its mean."""
 
     @property
     def noise(self) -> float:
@@ -73,16 +78,26 @@ class Job:
     number: int
 
 
-def shader(name: str, slopes: Slopes, material: Material) -> Shader:
+def shader(
+    name: str, slopes: Slopes, material: Material, textured: bool, seed: int, workers: Workers
+) -> Shader:
     """A method for both sides of a surface. Raises UnsupportedError for what it cannot do."""
-    inside = None
-    if material.transmits:
-        inside = METHODS[name](slopes, Dielectric(1 / material.ior), 1)
-    return Shader(slopes, METHODS[name](slopes, material, 1), inside)
+    check_shades(name, slopes, material)
+
+    def on_a_side(facets: Material) -> Shades:
+        if name in TABULATED:
+            return tabulated(name, slopes, facets, textured, seed, workers)
+        return METHODS[name](slopes, facets, 1)
+
+    inside = on_a_side(Dielectric(1 / material.ior)) if material.transmits else None
+    return Shader(slopes, on_a_side(material), inside)
 
 
 def check_shades(name: str, slopes: Slopes, material: Material) -> None:
     """Raise UnsupportedError for a method that cannot shade pixels of this surface."""
+    if name in TABULATED:
+        check_tabulated(name, slopes, material)
+        return
     METHODS[name].check_supported(slopes, material)
     if not METHODS[name].traits.pairs:
         raise UnsupportedError(f"method {name} evaluates no pairs of directions, as pixels ask")
@@ -98,7 +113,8 @@ def render(
     quiet: bool,
 ) -> list[Picture]:
     """A picture by each method. Raises UnsupportedError for what a method cannot do."""
-    shaders = {name: prepared(shader(name, slopes, material), stage) for name in methods}
+    of_all = stage.texture is not None, settings.seed, workers
+    shaders = {name: prepared(shader(name, slopes, material, *of_all), stage) for name in methods}
     chunks = -(-settings.width * settings.height // CHUNK)
     jobs = [Job(stage, shaders[name], settings, name, k) for name in methods for k in range(chunks)]
     parts: dict[str, list[Part]] = {name: [] for name in methods}
@@ -106,14 +122,17 @@ def render(
         for job, part in zip(jobs, map_ordered(run_job, jobs, workers), strict=True):
             parts[job.method].append(part)
             progress.advance(CHUNK * settings.samples)
-    return [_picture(name, settings, of) for name, of in parts.items()]
+    return [_picture(name, settings, of, shaders[name].error) for name, of in parts.items()]
 
 
 def table_of(pictures: list[Picture]) -> Table:
     """render.csv: a row for each method; differences are from the first."""
-    names = ("method", "samples", "seconds", "surfaces_per_path", "lost", "luminance")
-    more = ("luminance_stderr", "noise", "variance", "difference", "difference_stderr")
-    table: dict[str, list[float | str]] = {name: [] for name in (*names, *more)}
+    names = (
+        *("method", "samples", "seconds", "surfaces_per_path", "lost", "luminance"),
+        *("luminance_stderr", "noise", "variance", "difference", "difference_stderr"),
+        "table_error",
+    )
+    table: dict[str, list[float | str]] = {name: [] for name in names}
     first = pictures[0]
     for p in pictures:
         pixels = p.mean[0].size
@@ -124,7 +143,7 @@ def table_of(pictures: list[Picture]) -> Table:
         cells = (
             *(p.method, p.samples, p.seconds, p.surfaces / (pixels * p.samples), p.lost),
             *(mean.mean(), of_all, p.noise, p.samples * (stderr**2).mean()),
-            *(apart, both if p is not first else 0.0),
+            *(apart, both if p is not first else 0.0, p.table_error),
         )
         for column, cell in zip(table.values(), cells, strict=True):
             column.append(cell if isinstance(cell, str) else float(cell))
@@ -174,7 +193,7 @@ def run_job(job: Job) -> Part:
     return Part(sums[0], sums[1], time.process_time() - started, integrator.counts)
 
 
-def _picture(name: str, settings: Settings, parts: list[Part]) -> Picture:
+def _picture(name: str, settings: Settings, parts: list[Part], error: float) -> Picture:
     n, shape = settings.samples, (3, settings.height, settings.width)
     mean = np.concatenate([part.sums for part in parts], axis=1) / n
     squares = np.concatenate([part.squares for part in parts], axis=1) / n
@@ -187,4 +206,5 @@ def _picture(name: str, settings: Settings, parts: list[Part]) -> Picture:
         sum(part.seconds for part in parts),
         sum(part.counts.surfaces for part in parts),
         sum(part.counts.lost for part in parts),
+        error,
     )

@@ -1,0 +1,102 @@
+"""Tables that shade pictures: of `solve`, and of light traced on explicit surfaces."""
+
+import numpy as np
+import pytest
+
+from msbsdf_cli.experiments.render import tables
+from msbsdf_cli.experiments.render.tables import SURFACES, check_tabulated, tabulated
+from msbsdf_cli.methods.protocol import UnsupportedError
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.scene import direction
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
+from surfaces.materials import Conductor, Dielectric, Diffuse
+from surfaces.materials.diffuse import TexturedDiffuse
+from surfaces.streams import stream
+
+RNG = stream(5, "evaluate", "tables")
+N = 40_000
+
+
+def lanes(w):
+    return np.tile(w[:, None], N)
+
+
+@pytest.mark.parametrize("material", [Conductor.named("gold", rgb=True), Diffuse(0.7)])
+def test_samples_of_a_table_of_solve_return_its_energy(material, monkeypatch):
+    # Coarser, for the test's time; what that leaves is in the error that the table states.
+    monkeypatch.setattr(tables, "THETA_NODES", 14)
+    monkeypatch.setattr(tables, "AZIMUTH_NODES", 9)
+    slopes = Ggx(0.8, 0.8)
+    table = tabulated("solve", slopes, material, False, 0, 1)
+    assert 0 < table.table.error < 0.02
+    for theta in (0.4, 1.2):
+        wi = direction(theta)
+        known = Solve(slopes, material, 1).energy(wi)
+        _, weight = table.sample_each(lanes(wi), RNG)
+        stderr = weight.std(axis=1) / np.sqrt(N)
+        off = np.abs(weight.mean(axis=1) - known.reflected.sum(axis=1))
+        assert (off < 4 * stderr + 2 * table.table.error).all()
+
+
+def test_values_between_roughnesses_are_those_of_solve(monkeypatch):
+    monkeypatch.setattr(tables, "THETA_NODES", 12)
+    monkeypatch.setattr(tables, "AZIMUTH_NODES", 7)
+    monkeypatch.setattr(tables, "LEVELS", 6)
+    table = tabulated("solve", Beckmann(1.0, 1.0), Conductor(), True, 0, 1)
+    assert 0 < table.table.error < 0.15
+    wi, wo = direction(0.7), direction(0.9, 2.0)
+    for alpha in (0.5, 0.9):
+        each = np.full(N, alpha)
+        value = table.of_lanes(Beckmann(1.0, 1.0).of_lanes(each, each), Conductor())
+        mine = value.evaluate_each(lanes(wi), lanes(wo), RNG)[0, 0]
+        known = Solve(Beckmann(alpha, alpha), Conductor(), 1).evaluate(wi, wo[:, None])
+        # Half way between steps of .2 the second difference leaves 2 % of the value.
+        assert mine == pytest.approx(known.value.sum(), rel=0.03)
+
+
+@pytest.mark.parametrize("material", [Conductor(), Diffuse((0.8, 0.4)), Dielectric(1.5)])
+def test_surfaces_shade_as_they_send_light(material, monkeypatch):
+    monkeypatch.setattr(tables, "RAYS", 40_000)
+    monkeypatch.setattr(tables, "SAMPLES_OF_SINGLE", 100_000)
+    monkeypatch.setattr(tables, "ACCURACY", 0.02)
+    monkeypatch.setattr(tables, "THETA_OF_SURFACES", (0.0, 0.8, 1.4))
+    slopes = Beckmann(1.0, 1.0)
+    table = tabulated(SURFACES, slopes, material, False, 0, 1)
+    wi = direction(0.8)
+    _, weight = table.sample_each(lanes(wi), RNG)
+    stderr = weight.std(axis=1) / np.sqrt(N)
+    if not material.absorbs:
+        # Surfaces lose nothing: 3 % for bins that are interpolated and noisy values below 0 that
+        # are left out.
+        assert weight.mean() == pytest.approx(1, abs=4 * stderr[0] + 0.03)
+        return
+    single = METHODS["single"](slopes, material, 1).sample_each(lanes(wi), RNG)[1].mean(axis=1)
+    # Several bounces return more than one, and less of the darker channel's.
+    added = weight.mean(axis=1) / single
+    assert (added > 1).all()
+    assert added[0] > added[1]
+
+
+def test_what_no_table_is_made_of_is_refused():
+    for name, slopes, said in (
+        ("solve", Ggx(0.5, 0.1), "room for one roughness"),
+        (SURFACES, Beckmann(0.5, 0.1), "room for one roughness"),
+        (SURFACES, Ggx(0.5, 0.5), "are Gaussian"),
+    ):
+        with pytest.raises(UnsupportedError, match=said):
+            check_tabulated(name, slopes, Conductor())
+    with pytest.raises(UnsupportedError, match="walk-low-variance"):
+        check_tabulated("solve", Ggx(0.5, 0.5), Dielectric(1.5))
+
+
+def test_a_table_has_one_albedo_and_one_roughness(monkeypatch):
+    monkeypatch.setattr(tables, "THETA_NODES", 4)
+    monkeypatch.setattr(tables, "AZIMUTH_NODES", 3)
+    slopes = Beckmann(0.5, 0.5)
+    table = tabulated("solve", slopes, Diffuse(), False, 0, 1)
+    one = np.full(2, 0.5)
+    with pytest.raises(UnsupportedError, match="one albedo"):
+        table.of_lanes(slopes, TexturedDiffuse(lanes=np.ones((3, 2))))
+    with pytest.raises(UnsupportedError, match="not two"):
+        table.of_lanes(slopes.of_lanes(one, one / 2), Diffuse())
