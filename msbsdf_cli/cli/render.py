@@ -36,6 +36,11 @@ SURFACE = tuple(name for name in MODEL_IN_COLOUR if name not in ("theta", "phi")
     show_default=True,
     help="How light is found: samples of the BSDF, of the lights, or both, weighed.",
 )
+@click.option(
+    "--claims",
+    is_flag=True,
+    help="Instead of a picture: what a paper says of the cost of many bounces, measured.",
+)
 @click.option("--exr", is_flag=True, help="Linear pictures as OpenEXR too.")
 @use("seed", "threads", *REPORT)
 def command(**options: Any) -> None:
@@ -51,6 +56,9 @@ def command(**options: Any) -> None:
     from msbsdf_cli.experiments.render.picture import Settings, render, table_of
     from msbsdf_cli.plots.render import draw_pictures
 
+    if options["claims"]:
+        write_claims(options)
+        return
     fill_in(options)
     if options["exr"]:
         check_exr()
@@ -77,6 +85,30 @@ def command(**options: Any) -> None:
         save_arrays(pictures, draft, options["exr"])
         draw_pictures(pictures, stage.exposure, draft / "render.png")
     report.end(lambda: show(table))
+
+
+def write_claims(options: dict[str, Any]) -> None:
+    """The report of --claims."""
+    from dataclasses import fields
+
+    from msbsdf_cli.cli.report import Report
+    from msbsdf_cli.experiments.render.claims import Claim, claims
+    from msbsdf_cli.results.files import columns
+
+    report = Report("render", "claims", options)
+    with report.draft() as draft:
+        found = claims(options["seed"], options["threads"], options["quiet"])
+        table = columns(found, (f.name for f in fields(Claim)))
+        report.write(draft, {"claims.csv": table}, 0)
+    report.end(lambda: show_claims(found))
+
+
+def show_claims(found: list[Any]) -> None:
+    """Print a line for each claim."""
+    from msbsdf_cli.cli.terminal import measured, show_table
+
+    rows = [(c.claim, f"{c.published:g}", measured(c.measured, c.stderr), c.verdict) for c in found]
+    show_table(("claim", "published", "measured", "verdict"), rows)
 
 
 PATHS_PER_S = 5e4

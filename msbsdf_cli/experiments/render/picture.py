@@ -172,7 +172,10 @@ class Part:
 
 def run_job(job: Job) -> Part:
     """Follow the paths of some pixels."""
-    settings, started = job.settings, time.process_time()
+    settings = job.settings
+    # The tree is made once in each process, and is no part of what a path costs.
+    _ = job.stage.body.scene
+    started = time.process_time()
     total = settings.width * settings.height
     pixels = np.arange(job.number * CHUNK, min((job.number + 1) * CHUNK, total))
     rng = stream(settings.seed, "render", job.method, settings.strategy, job.number)
