@@ -20,6 +20,7 @@ from msbsdf_cli.validation import (
     phase,
     position_free,
     reciprocity,
+    shading,
     solved,
     visible_normals,
 )
@@ -34,6 +35,7 @@ SECTIONS = (
     visible_normals,
     phase,
     bsdf,
+    shading,
     reciprocity,
     solved,
     height_walk,
