@@ -18,11 +18,12 @@ def share_of_the_other(monkeypatch):
     monkeypatch.setattr(shading, "_share", lambda mine, other: right(mine, 2 * other))
 
 
-@each(
-    [
-        (share_of_the_other, strategies, GLASS, N, "samples of the bsdf, and of both weighed"),
-        (share_of_the_other, strategies, MIRROR, N, "samples of the light, and of both weighed"),
-    ]
-)
+PERTURBATIONS = [
+    (share_of_the_other, strategies, GLASS, N, "samples of the bsdf, and of both weighed"),
+    (share_of_the_other, strategies, MIRROR, N, "samples of the light, and of both weighed"),
+]
+
+
+@each(PERTURBATIONS)
 def test_the_identity_turns(fault, identity, configuration, samples, name):
     assert_turns(fault, identity, configuration, samples, name)
