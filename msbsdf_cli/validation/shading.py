@@ -64,4 +64,4 @@ def _share(mine: Array, other: Array) -> Array:
     return np.divide(mine, mine + other, out=np.zeros_like(mine), where=mine > 0)
 
 
-IDENTITIES = (Identity(strategies, hard, drawn, draws=12, thin=4, share=0.1, cost=1),)
+IDENTITIES = (Identity(strategies, hard, drawn, draws=12, thin=4, share=0.25, cost=1),)
