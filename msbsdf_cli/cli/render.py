@@ -111,7 +111,7 @@ def show_claims(found: list[Any]) -> None:
     show_table(("claim", "published", "measured", "verdict"), rows)
 
 
-PATHS_PER_S = 5e4
+PATHS_PER_S = 1.5e5
 """Rough rate of one core."""
 
 
