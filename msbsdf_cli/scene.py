@@ -26,7 +26,7 @@ class Scene:
     @property
     def alpha(self) -> tuple[float, float]:
         """Roughness along x and y."""
-        return self.slopes.alpha_x, self.slopes.alpha_y
+        return self.slopes.alpha
 
     def of_roughness(self, alpha: tuple[float, float]) -> "Scene":
         """The same scene, smoother or rougher."""

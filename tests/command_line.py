@@ -15,19 +15,26 @@ RUN = "import warnings; warnings.simplefilter('error')\nfrom msbsdf_cli.cli impo
 """Warnings of NumPy are errors: none is for the user."""
 
 
-def msbsdf(*words, before="", cwd=None):
-    """Run a command; its status, standard output and standard error.
+NO_PICTURES = {
+    "msbsdf_cli.run.executors.do_all": lambda tasks, workers: None,
+    "matplotlib.figure.Figure.savefig": lambda *arguments, **keywords: None,
+}
+"""What pictures are drawn by, and what takes its place where no test looks at any."""
 
-    In this process, whose imports are done; with a program `before` it in one of its own.
-    """
+
+def msbsdf(*words, pictures=False, cwd=None):
+    """Run a command in this process, whose imports are done; its status, standard output and
+    standard error. Only with `pictures` are there any: they take longer than most runs."""
     words = [str(word) for word in words]
-    if before:
-        command = [sys.executable, "-c", f"{before}\n{RUN}", *words]
-        return subprocess.run(command, capture_output=True, text=True, cwd=cwd)
     out, err = io.StringIO(), io.StringIO()
-    here = contextlib.chdir(cwd) if cwd else contextlib.nullcontext()
-    streams = contextlib.redirect_stdout(out), contextlib.redirect_stderr(err)
-    with here, streams[0], streams[1], patch.object(sys, "argv", ["msbsdf", *words]):
+    with contextlib.ExitStack() as during:
+        for name, instead in NO_PICTURES.items() if not pictures else ():
+            during.enter_context(patch(name, instead))
+        during.enter_context(contextlib.chdir(cwd or "."))
+        during.enter_context(contextlib.redirect_stdout(out))
+        during.enter_context(contextlib.redirect_stderr(err))
+        during.enter_context(patch.object(sys, "argv", ["msbsdf", *words]))
+        code = 0
         try:
             main()
         except SystemExit as end:

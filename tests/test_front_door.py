@@ -39,10 +39,11 @@ def test_it_is_the_command_line_too():
 
 def test_a_method_gives_values_and_samples():
     wo = ms.hemisphere(800)
-    solve, walk = (ms.method(name, MIRROR, orders=3) for name in ("solve", "walk"))
+    mirror = ms.Smith(ms.Ggx(0.5, 0.5), ms.Conductor())
+    solve, walk = (ms.method(name, mirror, orders=3) for name in ("solve", "walk"))
     f = solve.evaluate(WI, wo)
     assert f.value.shape == f.stderr.shape == (1, 4, 800)
-    # All of the light comes back; of 800 directions the lobe of roughness .2 asks some percent.
+    # All of the light comes back; of 800 directions the lobe of roughness .5 asks some percent.
     assert f.value.sum() * 2 * np.pi / 800 == pytest.approx(1, abs=0.02)
     g = walk.evaluate(WI, wo[:, 777], samples=20_000, seed=1)
     assert np.abs(g.value - f.value[..., 777:778]).max() < 5 * g.stderr.max()

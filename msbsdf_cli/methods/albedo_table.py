@@ -1,7 +1,7 @@
 """Tables of the energy that leaves after one facet, which energy compensation looks up."""
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline, RectBivariateSpline
@@ -11,6 +11,7 @@ from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
+from surfaces.quadrature import gauss
 
 POLAR_NODES = 49
 AZIMUTHS = 25
@@ -95,8 +96,7 @@ class Albedo:
         return np.stack([radius * x, radius * y, cos])
 
     def _cosine_mean(self) -> float:
-        x, weight = np.polynomial.legendre.leggauss(MEAN_NODES)
-        cos2, weight = np.repeat((1 + x) / 2, AZIMUTHS), np.repeat(weight / 2, AZIMUTHS)
+        cos2, weight = (np.repeat(a, AZIMUTHS) for a in gauss(MEAN_NODES))
         phi = np.tile((np.arange(AZIMUTHS) + 0.5) * np.pi / (2 * AZIMUTHS), MEAN_NODES)
         sin = np.sqrt(1 - cos2)
         E = self(np.stack([sin * np.cos(phi), sin * np.sin(phi), np.sqrt(cos2)]))
@@ -111,6 +111,12 @@ class Albedo:
         golden = np.mod(k * (np.sqrt(5) - 1) / 2, 1)
         w = self._direction(CHECKED * k / CHECKS, np.pi / 2 * golden)
         return float(np.abs(self(w) - first_order_albedo(slopes, material, w, inside)).max())
+
+
+@lru_cache(maxsize=16)
+def table_of(slopes: Slopes, facets: Material, inside: bool) -> Albedo:
+    """The table of lossless facets, made once for all methods and metals that read it."""
+    return Albedo(slopes, facets, inside)
 
 
 class TexturedAlbedo:

@@ -14,6 +14,7 @@ from msbsdf_cli.methods.albedo_table import (
     AlbedoOfLanes,
     TexturedAlbedo,
     roughness_of_lanes,
+    table_of,
 )
 from msbsdf_cli.methods.base import MethodBase, Outgoing, outgoing
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
@@ -22,6 +23,7 @@ from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, unit_circle
 from surfaces.materials import Material
+from surfaces.quadrature import gauss
 
 
 class EnergyCompensated(MethodBase):
@@ -48,10 +50,10 @@ class EnergyCompensated(MethodBase):
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
         super().__init__(slopes, material, orders)
-        self.E: Albedo | AlbedoOfLanes = Albedo(slopes, material, inside=False)
+        self.E: Albedo | AlbedoOfLanes = table_of(slopes, material.lossless, False)
         self.E_inside: Albedo | AlbedoOfLanes = self.E
         if material.transmits:
-            self.E_inside = Albedo(slopes, material, inside=True)
+            self.E_inside = table_of(slopes, material.lossless, True)
 
     @classmethod
     def check_supported(cls, slopes: Slopes, material: Material) -> None:
@@ -170,6 +172,5 @@ class EnergyCompensated(MethodBase):
 
 def _cosine_mean(fresnel: Callable[[Array], Array]) -> Array:
     """Mean reflectance (channels,) over the hemisphere, 2 times the integral of F cos dcos."""
-    x, weight = np.polynomial.legendre.leggauss(MEAN_NODES)
-    cos_i = (1 + x) / 2
-    return (fresnel(cos_i) * weight * cos_i).sum(axis=-1)
+    cos_i, weight = gauss(MEAN_NODES)
+    return 2 * (fresnel(cos_i) * weight * cos_i).sum(axis=-1)

@@ -11,6 +11,7 @@ from msbsdf_cli.methods.albedo_table import (
     AlbedoOfLanes,
     TexturedAlbedo,
     roughness_of_lanes,
+    table_of,
 )
 from msbsdf_cli.methods.base import MethodBase, outgoing
 from msbsdf_cli.methods.protocol import Evaluation, UnsupportedError
@@ -47,7 +48,7 @@ class Turquin(MethodBase):
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None:
         super().__init__(slopes, material, orders)
         self.single = Single(slopes, material, orders)
-        self.E: Albedo | AlbedoOfLanes = Albedo(slopes, material, inside=False)
+        self.E: Albedo | AlbedoOfLanes = table_of(slopes, material.lossless, False)
         self.F0 = material.reflectance(np.ones(1))[:, 0]
 
     @classmethod

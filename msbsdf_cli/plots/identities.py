@@ -121,7 +121,7 @@ def draw_reciprocity(rows: list[Any], path: Path) -> None:
         axis.axvline(0, color="0.4", lw=0.7)
         axis.axvline(row.finding.evidence.measured, color=COLOURS[1], lw=1, label="mean")
         axis.locator_params(axis="x", nbins=5)
-        axis.set_title(f"{c.method}, {c.slopes}\n{row.verdict}")
+        axis.set_title(f"{c.method}, {c.slopes.name}\n{row.verdict}")
         axis.set_xlabel("f(i, o) - f(o, i), orders 2 and later")
     axes[0, 0].set_ylabel("pairs of directions")
     axes[0, 0].legend(loc="upper left")

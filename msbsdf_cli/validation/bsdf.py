@@ -9,6 +9,7 @@ from msbsdf_cli.methods.protocol import Method, UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.single import phase_density
 from msbsdf_cli.smith.albedo import first_order_albedo
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.statistics.test_statistics import Exact, TestStatistic
 from msbsdf_cli.validation import reference
@@ -18,6 +19,7 @@ from msbsdf_cli.validation.configurations import (
     LOSSLESS,
     Configuration,
     random_above,
+    random_facets,
 )
 from msbsdf_cli.validation.identity import Identity
 from msbsdf_cli.validation.phase import BATCHES
@@ -58,10 +60,10 @@ def energy_and_samples(c: Configuration, n: int, rng: np.random.Generator) -> It
     summed = _integrals(c, method, walks, rng)
     if traits.conserves_energy:
         evidence = of_batches(
-            1.0, summed[:, 0], traits.slack(c.material), traits.energy_error_because
+            1.0, summed[:, 0], traits.slack(c.facets.name), traits.energy_error_because
         )
     else:
-        albedo = float(first_order_albedo(c.distribution(), c.facets(), c.i)[0])
+        albedo = float(first_order_albedo(c.slopes, c.facets, c.i)[0])
         evidence = of_batches(albedo, summed[:, 0], ALBEDO_ERROR, "quadrature of the albedo")
     yield Finding("energy", "4.4.1", c, evidence)
     size = max(n // (SAMPLE_COST * BATCHES), 16)
@@ -77,7 +79,7 @@ def energy_and_samples(c: Configuration, n: int, rng: np.random.Generator) -> It
 def made(c: Configuration) -> Method | None:
     """The configuration's method, or None where it does not hold or is not there."""
     try:
-        method: Method = METHODS[c.method](c.distribution(), c.facets(), ORDERS)
+        method: Method = METHODS[c.method](c.slopes, c.facets, ORDERS)
     except (UnsupportedError, KeyError):
         return None
     return method
@@ -109,8 +111,8 @@ def _directions(c: Configuration, walks: int, rng: np.random.Generator) -> tuple
     drawn. A cosine lobe would: walks near the top send light to the horizon as well. For diffuse
     facets the hemisphere alone will do.
     """
-    slopes, material = c.distribution(), c.facets()
-    diffuse = not c.facets().specular
+    slopes, material = c.slopes, c.facets
+    diffuse = not c.facets.specular
     n = walks // DIFFUSE_FEWER if diffuse else walks
     first = 0 if diffuse else int(FIRST_SHARE * n)
     m = slopes.visible_normals(c.i, first, rng)
@@ -170,7 +172,7 @@ def _closed_form(c: Configuration, rng: np.random.Generator) -> tuple[float, flo
     masking and shadowing, on a grid of its own.
     """
     correlated = METHODS[c.method].traits.correlated
-    if not c.facets().specular:
+    if not c.facets.specular:
         value = reference.diffuse_scattering(c, c.i, c.o, correlated)
         return value, DIFFUSE_ERROR, "quadrature over diffuse facets, the program's and this one"
     value = reference.single_scattering(c, c.i, c.o, correlated)
@@ -180,7 +182,7 @@ def _closed_form(c: Configuration, rng: np.random.Generator) -> tuple[float, flo
 def lit_direction(c: Configuration, rng: np.random.Generator) -> Array:
     """A direction (3, 1) that the first facet sends light to: towards others hardly any walk
     contributes, and the scatter of those few would be no measure of the error."""
-    slopes, material = c.distribution(), c.facets()
+    slopes, material = c.slopes, c.facets
     while True:
         m = slopes.visible_normals(c.i, TRIES, rng)
         w, _, through = material.scatter(np.repeat(-c.i, TRIES, axis=1), m, None, rng)
@@ -210,23 +212,22 @@ ALBEDO_ERROR = 1e-3
 def hard() -> list[Configuration]:
     """Every method and material: grazing, rough, and as anisotropic as can be drawn."""
     cases = [
-        ("beckmann", (1.0, 1.0), (GRAZING, 0.3)),
-        ("ggx", (2.0, 2.0), (0.5, 0.0)),
-        ("ggx", (1.0, 0.1), (1.0, 0.7)),
+        (Beckmann(1.0, 1.0), (GRAZING, 0.3)),
+        (Ggx(2.0, 2.0), (0.5, 0.0)),
+        (Ggx(1.0, 0.1), (1.0, 0.7)),
     ]
     return [
-        Configuration(slopes, alpha, wi, material=material, method=method)
+        Configuration(slopes, wi, material=material, method=method)
         for method in sampled()
         for material in LOSSLESS
-        for slopes, alpha, wi in cases
+        for slopes, wi in cases
     ]
 
 
 def drawn(rng: np.random.Generator) -> Configuration:
     """Any method, material, slopes and direction above the surface."""
     c = replace(random_above(rng), wo=None, heights="")
-    material = str(rng.choice(LOSSLESS))
-    return replace(c, material=material, method=str(rng.choice(sampled())))
+    return replace(c, material=random_facets(rng), method=str(rng.choice(sampled())))
 
 
 IDENTITIES = (

@@ -6,17 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.scene import direction
-from msbsdf_cli.smith.slopes import NAMES, Slopes, distribution
+from msbsdf_cli.smith.slopes import NAMES, Beckmann, Ggx, Slopes, distribution
 from surfaces.facet import Array
 from surfaces.materials import NAMES as MATERIALS
-from surfaces.materials import Conductor, Dielectric, Material, material
+from surfaces.materials import Dielectric, Material, material
 
 ROUGHNESS = (0.05, 2.0)
 """Least and largest roughness that is drawn, along either axis."""
 
 IOR = Dielectric().ior
 
-LOSSLESS = tuple(name for name in MATERIALS if not material(name)().absorbs)
+LOSSLESS: tuple[Material, ...] = tuple(
+    facets for facets in (material(name)() for name in MATERIALS) if not facets.absorbs
+)
 """Materials of which all light comes back, unless they are told otherwise."""
 
 GRAZING = 1.5
@@ -30,27 +32,20 @@ Angles = tuple[float, float]
 class Configuration:
     """Slopes, directions, facets: as far as an identity speaks of them."""
 
-    slopes: str
-    alpha: tuple[float, float]
+    slopes: Slopes
     wi: Angles
     wo: Angles | None = None
-    material: str = ""
-    eta_k: tuple[float, float] | None = None
+    material: Material | None = None
     method: str = ""
     heights: str = ""
     drawn: str = "fixed"
     """`fixed` or `random`."""
 
-    def distribution(self) -> Slopes:
-        """The distribution of slopes."""
-        return distribution(self.slopes)(*self.alpha)
-
+    @property
     def facets(self) -> Material:
-        """The facets: lossless, unless they are of a metal; glass has the index `IOR`."""
-        if self.eta_k is not None:
-            return Conductor((self.eta_k,))
-        facets: Material = material(self.material or "conductor")()
-        return facets
+        """The material, of identities that speak of one."""
+        assert self.material is not None
+        return self.material
 
     @property
     def i(self) -> Array:
@@ -64,11 +59,17 @@ class Configuration:
         return direction(*self.wo)[:, None]
 
 
-def random_slopes(rng: np.random.Generator) -> tuple[str, tuple[float, float]]:
+def random_slopes(rng: np.random.Generator) -> Slopes:
     """A distribution and its roughness along either axis, uniform in the logarithm."""
     low, high = np.log(ROUGHNESS)
-    alpha_x, alpha_y = np.exp(rng.uniform(low, high, 2))
-    return str(rng.choice(NAMES)), (float(alpha_x), float(alpha_y))
+    alpha = np.exp(rng.uniform(low, high, 2)).tolist()
+    slopes: Slopes = distribution(str(rng.choice(NAMES)))(*alpha)
+    return slopes
+
+
+def random_facets(rng: np.random.Generator) -> Material:
+    """One of the lossless materials."""
+    return LOSSLESS[rng.integers(len(LOSSLESS))]
 
 
 def random_direction(rng: np.random.Generator, low: float = -1.0) -> Angles:
@@ -78,18 +79,15 @@ def random_direction(rng: np.random.Generator, low: float = -1.0) -> Angles:
 
 def random_above(rng: np.random.Generator) -> Configuration:
     """Slopes, two directions above the surface and a height distribution."""
-    slopes, alpha = random_slopes(rng)
-    wi, wo = random_direction(rng, 0.0), random_direction(rng, 0.0)
-    heights = str(rng.choice(["uniform", "gaussian"]))
-    return Configuration(slopes, alpha, wi, wo, heights=heights, drawn="random")
+    return random_anywhere(rng, 0.0)
 
 
-def random_anywhere(rng: np.random.Generator) -> Configuration:
-    """Slopes, two directions anywhere on the sphere and a height distribution."""
-    slopes, alpha = random_slopes(rng)
-    wi, wo = random_direction(rng), random_direction(rng)
+def random_anywhere(rng: np.random.Generator, low: float = -1.0) -> Configuration:
+    """Slopes, two directions above the polar cosine `low` and a height distribution."""
+    slopes = random_slopes(rng)
+    wi, wo = random_direction(rng, low), random_direction(rng, low)
     heights = str(rng.choice(["uniform", "gaussian"]))
-    return Configuration(slopes, alpha, wi, wo, heights=heights, drawn="random")
+    return Configuration(slopes, wi, wo, heights=heights, drawn="random")
 
 
 def hard_above() -> list[Configuration]:
@@ -98,12 +96,12 @@ def hard_above() -> list[Configuration]:
     rough, smooth = ROUGHNESS[1], ROUGHNESS[0]
     zenith, near, grazing, across = (0.0, 0.0), (1e-4, 1.0), (GRAZING, 0.0), (GRAZING, math.pi / 2)
     return [
-        Configuration("beckmann", (1.0, 1.0), (1.2, 0.0), (1.0, 2.0), heights="gaussian"),
-        Configuration("ggx", (1.0, 1.0), (1.2, 0.0), (1.0, 2.0), heights="uniform"),
-        Configuration("beckmann", (rough, smooth), grazing, across, heights="gaussian"),
-        Configuration("ggx", (smooth, rough), across, grazing, heights="uniform"),
-        Configuration("ggx", (rough, rough), (1.57, 0.3), zenith, heights="gaussian"),
-        Configuration("beckmann", (smooth, smooth), near, (1.57, 0.3), heights="uniform"),
+        Configuration(Beckmann(1.0, 1.0), (1.2, 0.0), (1.0, 2.0), heights="gaussian"),
+        Configuration(Ggx(1.0, 1.0), (1.2, 0.0), (1.0, 2.0), heights="uniform"),
+        Configuration(Beckmann(rough, smooth), grazing, across, heights="gaussian"),
+        Configuration(Ggx(smooth, rough), across, grazing, heights="uniform"),
+        Configuration(Ggx(rough, rough), (1.57, 0.3), zenith, heights="gaussian"),
+        Configuration(Beckmann(smooth, smooth), near, (1.57, 0.3), heights="uniform"),
     ]
 
 
@@ -111,10 +109,7 @@ def hard_anywhere() -> list[Configuration]:
     """The same, and directions at, below and far below the horizon."""
     below = [math.pi / 2, 1.6, 2.2, 3.1, math.pi]
     return hard_above() + [
-        Configuration(slopes, alpha, (theta, 0.4), (0.7, 2.0), heights=heights)
-        for slopes, alpha, heights in (
-            ("beckmann", (0.7, 0.7), "gaussian"),
-            ("ggx", (1.5, 0.3), "uniform"),
-        )
+        Configuration(slopes, (theta, 0.4), (0.7, 2.0), heights=heights)
+        for slopes, heights in ((Beckmann(0.7, 0.7), "gaussian"), (Ggx(1.5, 0.3), "uniform"))
         for theta in below
     ]

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from msbsdf_cli.experiments.realisations import Resolution, make_surface
+from msbsdf_cli.smith.slopes import Beckmann
 from msbsdf_cli.statistics.multiple_testing import AGREEMENT, Finding
 from msbsdf_cli.validation import reference
 from msbsdf_cli.validation.batches import of_batches
@@ -39,7 +40,7 @@ def on_surfaces(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[
     )
     G1 = reference.masking_shadowing(c, c.i, np.array([[0.0], [0.0], [1.0]]))
     G2 = reference.masking_shadowing(c, c.i, c.o)
-    wanted = [G1, G2, *quadrature_moments(c.distribution(), c.i)[0]]
+    wanted = [G1, G2, *quadrature_moments(c.slopes, c.i)[0]]
     names = ["masking", "masking-shadowing", *(f"visible normals, E[{m}]" for m in MOMENTS)]
     for name, expected, values in zip(names, wanted, figures.T, strict=True):
         evidence = of_batches(float(expected), values)
@@ -50,7 +51,7 @@ def _one_surface(
     c: Configuration, surface: Surface, n: int, rng: np.random.Generator
 ) -> list[float]:
     """Shares of points seen from wi, and from wi and wo, and moments of the visible normals."""
-    stretch = surface.stretch(*c.alpha, c.wi[1])
+    stretch = surface.stretch(*c.slopes.alpha, c.wi[1])
     towards_i, towards_o = stretch.to_grid(c.i), stretch.to_grid(c.o)
     points, planes = _points(surface, n, rng)
     facing = [planes[1] * w[0] + planes[2] * w[1] < w[2] for w in (towards_i, towards_o)]
@@ -103,7 +104,7 @@ def _visible_normals(
 def hard() -> list[Configuration]:
     """From steep to grazing, smooth to rough."""
     return [
-        Configuration("beckmann", alpha, (theta, 0.0), (1.0, 2.0))
+        Configuration(Beckmann(*alpha), (theta, 0.0), (1.0, 2.0))
         for alpha in ((0.3, 0.3), (1.0, 1.0), (1.0, 0.3))
         for theta in (0.5, 1.2, GRAZING)
     ]

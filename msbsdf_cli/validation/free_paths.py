@@ -22,6 +22,7 @@ from msbsdf_cli.validation.configurations import (
 from msbsdf_cli.validation.identity import Identity
 from msbsdf_cli.validation.reference import AREA_ERROR, SEEN, projected_area
 from surfaces.facet import Array
+from surfaces.quadrature import gauss
 
 SECTION = "[HHdD16] Eq. "
 
@@ -47,17 +48,17 @@ STEP = 1e-4
 def extinction(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """The area of facets against the ray over the whole sphere, and the density of facets at a
     height that makes it an extinction coefficient (Eqs. 19 to 24, figure 7)."""
-    slopes = c.distribution()
+    slopes = c.slopes
     w = c.i
     sigma, expected = float(slopes.sigma(w)[0]), projected_area(c, -w)
     slack = AREA_ERROR * expected + float(np.finfo(float).eps)
     because = "rounding, and the error of the integral over slopes"
-    yield _exact("projected area", SECTION + "20-22", c, expected, sigma, slack, because)
+    evidence = Exact(expected, sigma, slack, because)
+    yield Finding("projected area", SECTION + "20-22", c, evidence)
     both = float(slopes.sigma(-w)[0]) - sigma
     slack = 4 * float(np.finfo(float).eps) * (1 + sigma)
-    yield _exact(
-        "projected area, signs", SECTION + "22", c, float(w[2, 0]), both, slack, "rounding"
-    )
+    evidence = Exact(float(w[2, 0]), both, slack, "rounding")
+    yield Finding("projected area, signs", SECTION + "22", c, evidence)
 
     # What the program has instead of the density: t = -ln C1(h), whose slope is -P1 / C1.
     heights, law = HEIGHTS[c.heights], height_law(c)
@@ -65,17 +66,10 @@ def extinction(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[F
     slope = (heights.t(h - STEP) - heights.t(h + STEP)) / (2 * STEP)
     found, wanted = slope * sigma, law.pdf(h) / law.cdf(h) * expected
     worst = int(np.argmax(np.abs(found - wanted)))
-    slack = float(wanted[worst]) * 1e-5
     because = f"central differences over {2 * STEP:g} in height, at C1 from .05 to .95"
-    yield _exact(
-        "extinction coefficient",
-        SECTION + "24",
-        c,
-        float(wanted[worst]),
-        float(found[worst]),
-        slack,
-        because,
-    )
+    pair = float(wanted[worst]), float(found[worst])
+    evidence = Exact(*pair, pair[0] * 1e-5, because)
+    yield Finding("extinction coefficient", SECTION + "24", c, evidence)
 
 
 def distribution(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
@@ -94,18 +88,11 @@ def distribution(c: Configuration, n: int, rng: np.random.Generator) -> Iterator
     shares = _density_over(edges, C1, power)
     t = HEIGHTS[c.heights].t(np.array([start]))
     if dirac:
-        closed = float(escape(t, None, outgoing(c.distribution(), d).seen_by(None))[0, 0])
+        closed = float(escape(t, None, outgoing(c.slopes, d).seen_by(None))[0, 0])
         because = f"rounding, error of Lambda, {NODES} nodes a bin"
-        yield _exact(
-            "free-path density and Dirac part",
-            SECTION + "28",
-            c,
-            1.0,
-            float(shares.sum()) + closed,
-            1e-9,
-            because,
-        )
-    sigma = c.distribution().sigma(d)
+        exact = Exact(1.0, float(shares.sum()) + closed, 1e-9, because)
+        yield Finding("free-path density and Dirac part", SECTION + "28", c, exact)
+    sigma = c.slopes.sigma(d)
     escaped, t = free_path(np.full(n, t), d, sigma, exponential(n, rng, np.float64))
     count = int(np.count_nonzero(escaped))
     evidence = Share(min(dirac, 1.0), count, n, 10 * AREA_ERROR, "error of Lambda")
@@ -132,7 +119,7 @@ def optical_depth(c: Configuration, n: int, rng: np.random.Generator) -> Iterato
     # From a height above C1 = U, facets are met by Lambda / (1 + Lambda) of the rays that go up.
     if d[2, 0] > 0 and n * extinction / (1 + extinction) < LEAST_MET:
         return
-    sigma = c.distribution().sigma(d)
+    sigma = c.slopes.sigma(d)
     t = rng.exponential(size=n)
     leaves, t_next = free_path(t, d, sigma, exponential(n, rng, np.float64))
     forced, probability = forced_free_path(t, d, sigma, rng)
@@ -154,7 +141,7 @@ def visible_heights(c: Configuration, n: int, rng: np.random.Generator) -> Itera
         return
     power = -projected_area(c, c.i) / float(c.i[2, 0])
     edges = _equal_bins(1.0, power, 1.0)
-    sigma = c.distribution().sigma(-c.i)
+    sigma = c.slopes.sigma(-c.i)
     t = free_path(np.zeros(n), -c.i, sigma, exponential(n, rng, np.float64))[1]
     evidence = ChiSquare.of_counts(_histogram(t, edges), n * _density_over(edges, 1.0, power))
     if evidence is not None:
@@ -166,7 +153,7 @@ def table_3(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Find
     n = min(n, 1 << 16)
     t0 = rng.exponential(size=n)
     E = exponential(n, rng, np.float64)
-    slopes = c.distribution()
+    slopes = c.slopes
     polar = {"up": min(c.wi[0], np.pi - c.wi[0]), "straight up": 0.0}
     for name, theta in polar.items():
         up = np.array([[np.sin(theta)], [0.0], [np.cos(theta)]])
@@ -201,11 +188,11 @@ def _equal_bins(C1: float, power: float, hits: float) -> Array:
 def _density_over(edges: Array, C1: float, power: float) -> Array:
     """Eq. 28 over each bin, |Lambda| C1^Lambda / x^(1 + Lambda) dx with P1 dh = dx, by quadrature
     in the logarithm of x."""
-    node, weight = np.polynomial.legendre.leggauss(NODES)
+    node, weight = gauss(NODES)
     x = np.log(edges / C1)
     width = np.diff(x)[:, None]
-    value = abs(power) * np.exp(-power * (x[:-1, None] + width * (1 + node) / 2))
-    return (value * weight * np.abs(width) / 2).sum(axis=1)
+    value = abs(power) * np.exp(-power * (x[:-1, None] + width * node))
+    return (value * weight * np.abs(width)).sum(axis=1)
 
 
 def _histogram(t: Array, edges: Array) -> Array:
@@ -214,18 +201,6 @@ def _histogram(t: Array, edges: Array) -> Array:
         # Far below the last border there still is surface.
         return np.histogram(np.exp(-t), np.append(0, edges[-2::-1]))[0][::-1]
     return np.histogram(np.exp(-t), edges)[0]
-
-
-def _exact(
-    name: str,
-    section: str,
-    c: Configuration,
-    expected: float,
-    measured: float,
-    slack: float,
-    because: str,
-) -> Finding:
-    return Finding(name, section, c, Exact(expected, measured, slack, because))
 
 
 def _always(name: str, c: Configuration, rule: Array) -> Finding:

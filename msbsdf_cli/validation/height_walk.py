@@ -10,10 +10,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtr, ndtri
 
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.statistics.test_statistics import ChiSquare
-from msbsdf_cli.validation.configurations import GRAZING, LOSSLESS, Configuration, random_above
+from msbsdf_cli.validation.configurations import (
+    GRAZING,
+    LOSSLESS,
+    Configuration,
+    random_above,
+    random_facets,
+)
 from msbsdf_cli.validation.identity import Identity
 from surfaces.facet import Array
 
@@ -29,7 +36,7 @@ MAX_ORDER = 10_000
 def height_independence(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """Walks in heights against walks in t: how many leave after each facet, where to."""
     ours = np.zeros(_cells())
-    for light in random_walk(c.distribution(), c.facets(), c.i[:, 0], 4 * n, rng, MAX_ORDER):
+    for light in random_walk(c.slopes, c.facets, c.i[:, 0], 4 * n, rng, MAX_ORDER):
         if light.resolved:
             ours += _count(light.order, light.w[2])
     theirs = walk_in_heights(c, n, rng)
@@ -71,7 +78,7 @@ class _Law:
 def walk_in_heights(c: Configuration, n: int, rng: np.random.Generator) -> Array:
     """Counts (cells,) of n walks by Algorithm 1's heights; inside a dielectric the surface is
     seen upside down, h -> -h."""
-    slopes, material, law = c.distribution(), c.facets(), _Law(c.heights)
+    slopes, material, law = c.slopes, c.facets, _Law(c.heights)
     d, h = np.repeat(-c.i, n, axis=1), np.full(n, law.top)
     side = np.ones(n)
     counts = np.zeros(_cells())
@@ -105,18 +112,18 @@ def _next(law: _Law, Lambda: Array, h: Array, rng: np.random.Generator) -> Array
 
 def hard() -> list[Configuration]:
     """All materials, both height distributions: grazing, anisotropic, rough."""
-    cases = [("beckmann", (1.0, 1.0), (GRAZING, 0.0)), ("ggx", (2.0, 0.5), (0.6, 0.4))]
+    cases = [(Beckmann(1.0, 1.0), (GRAZING, 0.0)), (Ggx(2.0, 0.5), (0.6, 0.4))]
     return [
-        Configuration(slopes, alpha, wi, material=material, heights=heights)
+        Configuration(slopes, wi, material=material, heights=heights)
         for material in LOSSLESS
         for heights in ("uniform", "gaussian")
-        for slopes, alpha, wi in cases
+        for slopes, wi in cases
     ]
 
 
 def drawn(rng: np.random.Generator) -> Configuration:
     """Anything from above."""
-    material = str(rng.choice(LOSSLESS))
+    material = random_facets(rng)
     return replace(random_above(rng), wo=None, material=material)
 
 

@@ -6,10 +6,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.scene import direction
+from msbsdf_cli.smith.slopes import Ggx
 from msbsdf_cli.statistics.multiple_testing import FAILS_AS_EXPECTED, HOLDS, Finding
 from msbsdf_cli.validation.batches import of_batches
 from msbsdf_cli.validation.configurations import Configuration
 from msbsdf_cli.validation.identity import Identity
+from surfaces.materials import Conductor
 
 PAIRS = 500
 
@@ -20,7 +23,7 @@ LEAST_COSINE = 0.15
 def differences(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """Mean of f(wi, wo) - f(wo, wi) of the orders after the first, over pairs of which
     wi is the steeper direction: without that order, the mean of any model would be 0."""
-    method = METHODS[c.method](c.distribution(), c.facets(), 1)
+    method = METHODS[c.method](c.slopes, c.facets, 1)
     size = max(n // PAIRS, 16)
     apart = np.empty(PAIRS)
     for k in range(PAIRS):
@@ -39,17 +42,13 @@ def _pair(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Two directions (3,) above the surface, the steeper one first."""
     low, high = np.sort(rng.uniform(LEAST_COSINE, 1, 2))
     azimuths = rng.uniform(0, 2 * np.pi, 2)
-    first, second = (
-        Configuration("", (1, 1), (float(np.arccos(z)), float(phi))).i[:, 0]
-        for z, phi in zip((high, low), azimuths, strict=True)
-    )
-    return first, second
+    return direction(np.arccos(high), azimuths[0]), direction(np.arccos(low), azimuths[1])
 
 
 def models() -> list[Configuration]:
     """Both models, and the walk beside them; roughness 1."""
     return [
-        Configuration("ggx", (1.0, 1.0), (0.0, 0.0), material="conductor", method=method)
+        Configuration(Ggx(1.0, 1.0), (0.0, 0.0), None, Conductor(), method)
         for method in ("position-free-uncorrelated", "position-free-correlated", "walk")
     ]
 

@@ -37,13 +37,13 @@ def random_heights(c: Configuration, n: int, rng: np.random.Generator) -> Array:
 
 def first_heights(c: Configuration, n: int, rng: np.random.Generator) -> Array:
     """Coordinates t of the facets that light from wi meets first: from t = 0, above all facets."""
-    sigma = c.distribution().sigma(-c.i)
+    sigma = c.slopes.sigma(-c.i)
     return free_path(np.zeros(n), -c.i, sigma, exponential(n, rng, np.float64))[1]
 
 
 def leaves(c: Configuration, t: Array, w: Array, rng: np.random.Generator) -> Array:
     """Who leaves the surface along w (3, 1) from t (n,)."""
-    return free_path(t, w, c.distribution().sigma(w), exponential(t.size, rng, np.float64))[0]
+    return free_path(t, w, c.slopes.sigma(w), exponential(t.size, rng, np.float64))[0]
 
 
 def masking(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import beta
 
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.statistics.test_statistics import ChiSquare, Share
@@ -86,7 +87,7 @@ def _orders(
     """How many of `n` walks leave after each order, (orders,)."""
     counts = np.zeros(orders)
     facets = OneWay(c.o, through)
-    for light in random_walk(c.distribution(), facets, c.i[:, 0], n, rng, orders):
+    for light in random_walk(c.slopes, facets, c.i[:, 0], n, rng, orders):
         if light.resolved:
             counts[light.order - 1] += light.w.shape[1]
     return counts
@@ -96,12 +97,12 @@ def hard() -> list[Configuration]:
     """Directions whose Lambda is about 1, where the share through a facet tells most; and both of
     them grazing, where first facets are so near the top that any other start would show."""
     cases = [
-        ("ggx", (1.0, 1.0), (1.2, 0.0), (1.4, 2.0)),
-        ("beckmann", (1.0, 1.0), (1.57, 0.3), (1.57, 2.0)),
-        ("beckmann", (1.0, 1.0), (0.5, 0.0), (1.4, 2.0)),
-        ("ggx", (2.0, 0.5), (1.57, 0.3), (1.565, 2.0)),
+        (Ggx(1.0, 1.0), (1.2, 0.0), (1.4, 2.0)),
+        (Beckmann(1.0, 1.0), (1.57, 0.3), (1.57, 2.0)),
+        (Beckmann(1.0, 1.0), (0.5, 0.0), (1.4, 2.0)),
+        (Ggx(2.0, 0.5), (1.57, 0.3), (1.565, 2.0)),
     ]
-    return [Configuration(slopes, alpha, wi, wo) for slopes, alpha, wi, wo in cases]
+    return [Configuration(slopes, wi, wo) for slopes, wi, wo in cases]
 
 
 IDENTITIES = (Identity(one_way, hard, random_above, draws=6, share=0.5, least=1_000_000),)

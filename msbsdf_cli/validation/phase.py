@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from msbsdf_cli.scene import direction
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.statistics.test_statistics import Exact
 from msbsdf_cli.validation.batches import of_batches, of_two
@@ -14,16 +16,18 @@ from msbsdf_cli.validation.configurations import (
     Configuration,
     random_anywhere,
     random_direction,
+    random_facets,
 )
 from msbsdf_cli.validation.identity import Identity
 from msbsdf_cli.validation.reference import SEEN, projected_area
 from msbsdf_cli.validation.visible_normals import MOMENTS, moments
 from surfaces.facet import Array
+from surfaces.materials import Conductor
 
 BATCHES = 128
 """Independent batches behind a standard error: so many tell their skewness, too."""
 
-COPPER = (1.02, 2.577)
+COPPER = Conductor(((1.02, 2.577),))
 
 DIFFUSE_ERROR = 1e-6
 """Of the quadrature behind diffuse facets, over the largest value; see `smith.lune`."""
@@ -44,7 +48,7 @@ def sphere(rows: int, rng: np.random.Generator) -> Array:
 def phase_moments(c: Configuration, n: int, rng: np.random.Generator) -> Array:
     """Integrals (batches, 1 + 6) of p(wi, w) times 1 and the moments of w over the sphere; what
     goes through a facet counts with the direction it really has."""
-    slopes, material, d = c.distribution(), c.facets(), -c.i
+    slopes, material, d = c.slopes, c.facets, -c.i
     rows = max(int(np.sqrt(n / (2 * BATCHES))), 2)
     sums = np.zeros((BATCHES, 1 + len(MOMENTS)))
     for batch in range(BATCHES):
@@ -59,13 +63,13 @@ def phase_moments(c: Configuration, n: int, rng: np.random.Generator) -> Array:
 
 def phase_function(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """It sums to 1 over the sphere (4.3.1), and facets met and scattered from follow it (4.3.3)."""
-    slopes, material = c.distribution(), c.facets()
+    slopes, material = c.slopes, c.facets
     if projected_area(c, c.i) < SEEN:
         return
-    if not c.facets().specular:
+    if not c.facets.specular:
         n = n // DIFFUSE_COST
     summed = phase_moments(c, n, rng)
-    slack = DIFFUSE_ERROR if not c.facets().specular else 0.0
+    slack = DIFFUSE_ERROR if not c.facets.specular else 0.0
     because = "quadrature over the normals of diffuse facets"
     evidence = of_batches(1.0, summed[:, 0], slack, because)
     yield Finding("phase function, normalisation", "4.3.1", c, evidence)
@@ -83,7 +87,7 @@ def phase_function(c: Configuration, n: int, rng: np.random.Generator) -> Iterat
 def reciprocity(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """sigma(-wi) p(wi, wo) = sigma(-wo) p(wo, wi) for directions over the whole sphere
     ([HHdD16] Eqs. 37 to 39), also through facets, where light counts the squared index."""
-    slopes, material = c.distribution(), c.facets()
+    slopes, material = c.slopes, c.facets
     i = np.concatenate([_unit(rng) for _ in range(PAIRS)], axis=1)
     o = np.concatenate([_unit(rng) for _ in range(PAIRS)], axis=1)
     there = material.density(slopes, -i, o)
@@ -96,15 +100,14 @@ def reciprocity(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[
 
 
 def _unit(rng: np.random.Generator) -> Array:
-    theta, phi = random_direction(rng)
-    return Configuration("", (1, 1), (theta, phi)).i
+    return direction(*random_direction(rng))[:, None]
 
 
 def _same(c: Configuration, name: str, there: Array, back: Array) -> Finding:
     """The largest difference over the largest value."""
     worst = float(np.abs(there - back).max() / np.abs(there).max())
     slack, because = 1e-9, "rounding of half vectors, over the largest value"
-    if not c.facets().specular:
+    if not c.facets.specular:
         slack, because = 10 * DIFFUSE_ERROR, "quadrature over the normals of diffuse facets"
     return Finding(name, "4.3.2, [HHdD16] Eq. 39", c, Exact(0.0, worst, slack, because))
 
@@ -116,29 +119,28 @@ DIFFUSE_COST = 1024
 def hard() -> list[Configuration]:
     """Grazing, straight, up through the surface; rough, smooth and anisotropic; all facets."""
     cases = [
-        ("beckmann", (1.0, 1.0), (1.5, 0.3)),
-        ("ggx", (1.0, 1.0), (0.0, 0.0)),
-        ("beckmann", (2.0, 2.0), (2.2, 1.0)),
-        ("ggx", (2.0, 0.3), (1.8, 0.5)),
-        ("beckmann", (0.1, 0.1), (1.5, 0.0)),
+        (Beckmann(1.0, 1.0), (1.5, 0.3)),
+        (Ggx(1.0, 1.0), (0.0, 0.0)),
+        (Beckmann(2.0, 2.0), (2.2, 1.0)),
+        (Ggx(2.0, 0.3), (1.8, 0.5)),
+        (Beckmann(0.1, 0.1), (1.5, 0.0)),
     ]
     return [
-        Configuration(slopes, alpha, wi, material=material)
+        Configuration(slopes, wi, material=material)
         for material in LOSSLESS
-        for slopes, alpha, wi in cases
+        for slopes, wi in cases
     ]
 
 
 def drawn(rng: np.random.Generator) -> Configuration:
     """Anything, of any material."""
-    material = str(rng.choice(LOSSLESS))
+    material = random_facets(rng)
     return replace(random_anywhere(rng), wo=None, heights="", material=material)
 
 
 def hard_with_copper() -> list[Configuration]:
     """The same, and a metal, whose reflectance must be the same from both ends."""
-    metal = Configuration("ggx", (0.6, 0.2), (0.5, 0.0), material="conductor", eta_k=COPPER)
-    return [*hard(), metal]
+    return [*hard(), Configuration(Ggx(0.6, 0.2), (0.5, 0.0), material=COPPER)]
 
 
 IDENTITIES = (

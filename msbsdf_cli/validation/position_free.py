@@ -8,8 +8,9 @@ from scipy import integrate
 from scipy.optimize import brentq
 
 from msbsdf_cli.methods.path_factors import leaving_probability, meeting_probability
+from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.integrated_heights import extinction_of
-from msbsdf_cli.smith.slopes import Lambda
+from msbsdf_cli.smith.slopes import Beckmann, Ggx, Lambda
 from msbsdf_cli.statistics.multiple_testing import FAILS_AS_EXPECTED, HOLDS, Finding
 from msbsdf_cli.statistics.test_statistics import Exact
 from msbsdf_cli.validation.configurations import (
@@ -39,14 +40,14 @@ def spherical_masking(c: Configuration, n: int, rng: np.random.Generator) -> Ite
     if abs(w[2, 0]) < LEVEL or area < SEEN:
         return
     expected = abs(float(w[2, 0])) / area
-    one_plus = 1 + float(Lambda(c.distribution(), w)[0])
+    one_plus = 1 + float(Lambda(c.slopes, w)[0])
     # 1 + Lambda is small below the surface, where digits cancel.
     slack = INTEGRAL_ERROR * expected + 8 * np.finfo(float).eps * expected / abs(one_plus)
     because = "integral over slopes, and rounding where 1 + Lambda cancels"
     where = "upward" if w[2, 0] > 0 else "downward"
     evidence = Exact(expected, abs(1 / one_plus), slack, because)
     yield Finding(f"distant masking, {where}", SECTION + "2-4", c, evidence)
-    short = float(1 / extinction_of(-w, c.distribution().sigma(-w))[0])
+    short = float(1 / extinction_of(-w, c.slopes.sigma(-w))[0])
     evidence = Exact(expected, short, INTEGRAL_ERROR * expected, "integral over slopes")
     yield Finding(f"distant masking as used, {where}", SECTION + "3", c, evidence)
 
@@ -56,11 +57,11 @@ def exceeds_one(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[
     falls to 1 (figure 2)."""
 
     def excess(theta: float, phi: float) -> float:
-        up = Configuration(c.slopes, c.alpha, (np.pi - theta, phi)).i
-        return 1 - float(abs(1 + Lambda(c.distribution(), -up)[0]))
+        up = direction(np.pi - theta, phi)[:, None]
+        return 1 - float(abs(1 + Lambda(c.slopes, -up)[0]))
 
     def wanted(theta: float) -> float:
-        up = Configuration(c.slopes, c.alpha, (np.pi - theta, 0.0)).i
+        up = direction(np.pi - theta)[:, None]
         return projected_area(c, -up) / float(up[2, 0]) - 1
 
     bracket = np.pi / 2 + 1e-3, np.pi - 1e-3
@@ -75,7 +76,7 @@ def correlated(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[F
     for the middle one; also from below (Eqs. 5 to 17), against the integral over heights."""
     if min(abs(c.i[2, 0]), c.o[2, 0]) < LEVEL or projected_area(c, c.i) < SEEN:
         return
-    slopes, d, o = c.distribution(), -c.i, c.o
+    slopes, d, o = c.slopes, -c.i, c.o
     # Arriving along d there are L of them in t, leaving along o the probability is exp(-Lambda t).
     L = projected_area(c, c.i) / abs(float(d[2, 0]))
     Lambda_o = projected_area(c, -o) / float(o[2, 0])
@@ -122,7 +123,7 @@ def segment_terms(c: Configuration, n: int, rng: np.random.Generator) -> Iterato
 
     The path comes down along d0, goes down along d1 and up along d2.
     """
-    slopes, up0, up1, o = c.distribution(), c.i, _third(c), c.o
+    slopes, up0, up1, o = c.slopes, c.i, _third(c), c.o
     if projected_area(c, -up1) / float(up1[2, 0]) < SEEN:
         return
     forward, inverse = (
@@ -173,14 +174,14 @@ def _g1(c: Configuration, w: Array) -> float:
 def _third(c: Configuration) -> Array:
     """One more direction above the surface, from the other two."""
     theta = 0.3 + 0.4 * (c.wi[0] + (c.wo or c.wi)[0])
-    return Configuration(c.slopes, c.alpha, (min(theta, 1.4), 1 + c.wi[1])).i
+    return direction(min(theta, 1.4), 1 + c.wi[1])[:, None]
 
 
 def isotropic() -> list[Configuration]:
     """For the angle of figure 2, whose roughness is 1."""
     return [
-        Configuration(slopes, (alpha, alpha), (np.pi / 2, 0.0))
-        for slopes in ("beckmann", "ggx")
+        Configuration(slopes(alpha, alpha), (np.pi / 2, 0.0))
+        for slopes in (Beckmann, Ggx)
         for alpha in (0.3, 1.0, 2.0)
     ]
 

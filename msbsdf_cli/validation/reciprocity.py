@@ -7,6 +7,7 @@ import numpy as np
 from numpy.random import Generator
 
 from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.multiple_testing import FAILS_AS_EXPECTED, Finding
 from msbsdf_cli.statistics.test_statistics import Exact, TestStatistic
@@ -16,7 +17,7 @@ from msbsdf_cli.validation.configurations import IOR, Configuration
 from msbsdf_cli.validation.identity import Identity
 from msbsdf_cli.validation.phase import BATCHES
 from surfaces.facet import Array
-from surfaces.materials import Dielectric, Material
+from surfaces.materials import Conductor, Dielectric, Material
 
 PILOT = 1 << 14
 """Walks that look for directions lit by second facets."""
@@ -56,7 +57,7 @@ def lit_by_second(c: Configuration, n: int, rng: Generator) -> Array | None:
     are so rare, from either end, that a batch of `n` walks would hardly meet them: its scatter
     would then say nothing of its error. It is decided by walks of its own, so that no result can
     bear on it."""
-    material = c.facets()
+    material = c.facets
     w = _after_second(c, material, c.i, rng)
     lit = w[:, np.abs(w[2]) > LIT]
     if lit.size == 0:
@@ -71,17 +72,17 @@ def lit_by_second(c: Configuration, n: int, rng: Generator) -> Array | None:
 
 def _after_second(c: Configuration, material: Material, w: Array, rng: Generator) -> Array:
     """Directions (3, k) in which walks from w (3, 1) leave after their second facet."""
-    pilot = random_walk(c.distribution(), material, w[:, 0], PILOT, rng, 2)
+    pilot = random_walk(c.slopes, material, w[:, 0], PILOT, rng, 2)
     second = [light.w for light in pilot if light.order == 2 and light.resolved]
     return np.concatenate([np.empty((3, 0)), *second], axis=1)
 
 
 def _evidence(c: Configuration, one: Array, two: Array) -> TestStatistic:
     slack, because = ROUNDING, "rounding"
-    if not c.facets().specular:
+    if not c.facets.specular:
         slack, because = QUADRATURE_ERROR, "quadrature over diffuse facets"
-    elif (traits := METHODS[c.method].traits).energy_error and c.facets().transmits:
-        slack, because = traits.slack(c.material), "tables of albedos of both indices"
+    elif (traits := METHODS[c.method].traits).energy_error and c.facets.transmits:
+        slack, because = traits.slack(c.facets.name), "tables of albedos of both indices"
     slack *= float(one.mean())
     if one.size == 1 and two.size == 1:
         return Exact(float(one.mean()), float(two.mean()), slack, because)
@@ -91,7 +92,7 @@ def _evidence(c: Configuration, one: Array, two: Array) -> TestStatistic:
 def both_ways(c: Configuration, n: int, rng: Generator) -> tuple[Array, Array]:
     """f(wi, wo) and what the other way says of it, (batches, orders + 1) each; one batch where
     there is no noise."""
-    slopes, material = c.distribution(), c.facets()
+    slopes, material = c.slopes, c.facets
     there = METHODS[c.method](slopes, material, ORDERS)
     wi, wo = c.i, c.o
     back, turn, ratio = there, 1.0, abs(float(wo[2, 0]))
@@ -125,8 +126,8 @@ def not_reciprocal() -> list[Configuration]:
     """Pairs of directions for which the two ways differ by a tenth and more."""
     method = "position-free-correlated"
     return [
-        Configuration(slopes, (1.0, 1.0), (0.2, 0.0), wo, material="conductor", method=method)
-        for slopes in ("beckmann", "ggx")
+        Configuration(slopes, (0.2, 0.0), wo, Conductor(), method)
+        for slopes in (Beckmann(1.0, 1.0), Ggx(1.0, 1.0))
         for wo in ((1.3, 2.0), (1.2, 3.0))
     ]
 

@@ -12,6 +12,7 @@ from scipy.special import beta
 
 from msbsdf_cli.validation.configurations import IOR, Configuration
 from surfaces.facet import Array
+from surfaces.quadrature import gauss
 
 NODES = 256
 """Gauss-Legendre nodes of the integral over slopes: twice as many change nothing above 1e-12."""
@@ -34,23 +35,23 @@ def projected_area(c: Configuration, w: Array) -> float:
     the integral is that of (z - s x)+ P2(x). With x = tan(u) it is smooth up to its end, and no
     term is negative.
     """
-    s = float(np.hypot(c.alpha[0] * w[0, 0], c.alpha[1] * w[1, 0]))
+    s = float(np.hypot(c.slopes.alpha[0] * w[0, 0], c.slopes.alpha[1] * w[1, 0]))
     z = float(w[2, 0])
     if s == 0:
         return max(z, 0.0)
-    node, weight = np.polynomial.legendre.leggauss(NODES)
+    node, weight = gauss(NODES)
     end = np.arctan2(z, s)
     # Where the density is nothing to double precision there is no need of nodes.
-    steepest = 30.0 if c.distribution().marginal_density(np.array(30.0)) == 0 else np.inf
+    steepest = 30.0 if c.slopes.marginal_density(np.array(30.0)) == 0 else np.inf
     start = min(-np.arctan(steepest), end - 1e-3)
     parts = _split(start, end)
     total = 0.0
     for a, b in pairwise(parts):
-        u = a + (b - a) * (1 + node) / 2
+        u = a + (b - a) * node
         # z - s tan(u), from its zero at u = end.
         lever = np.hypot(s, z) * np.sin(end - u) / np.cos(u)
-        value = lever * c.distribution().marginal_density(np.tan(u)) / np.cos(u) ** 2
-        total += float((value * weight).sum() * (b - a) / 2)
+        value = lever * c.slopes.marginal_density(np.tan(u)) / np.cos(u) ** 2
+        total += float((value * weight).sum() * (b - a))
     return total
 
 
@@ -68,9 +69,9 @@ def big_lambda(c: Configuration, w: Array) -> float:
 
 def normal_density(c: Configuration, m: Array) -> Array:
     """D of unit vectors m (3, n): the slopes' density over cos^4."""
-    x, y = -m[0] / m[2] / c.alpha[0], -m[1] / m[2] / c.alpha[1]
-    slopes = c.distribution().slope_density(x, y)
-    return np.where(m[2] > 0, slopes / (c.alpha[0] * c.alpha[1] * m[2] ** 4), 0)
+    x, y = -m[0] / m[2] / c.slopes.alpha[0], -m[1] / m[2] / c.slopes.alpha[1]
+    slopes = c.slopes.slope_density(x, y)
+    return np.where(m[2] > 0, slopes / (c.slopes.alpha[0] * c.slopes.alpha[1] * m[2] ** 4), 0)
 
 
 def masking_shadowing(c: Configuration, wi: Array, wo: Array, correlated: bool = True) -> float:
@@ -109,7 +110,7 @@ def single_scattering(c: Configuration, wi: Array, wo: Array, correlated: bool =
     h = h / length
     cos_i, cos_o = float((wi * h).sum()), float((wo * h).sum())
     D = float(normal_density(c, h)[0])
-    F = float(fresnel(np.array([cos_i]), IOR)[0]) if c.facets().transmits else 1.0
+    F = float(fresnel(np.array([cos_i]), IOR)[0]) if c.facets.transmits else 1.0
     if reflected:
         return F * D * G2 / (4 * float(wi[2, 0]))
     if cos_i <= 0 or cos_o >= 0:
@@ -126,9 +127,13 @@ def diffuse_scattering(c: Configuration, wi: Array, wo: Array, correlated: bool 
     phi = (np.arange(2 * DIFFUSE_NODES) + 0.5) / DIFFUSE_NODES * np.pi
     r, phi = np.tan(psi)[:, None], phi[None]
     m = np.stack(
-        [-c.alpha[0] * r * np.cos(phi), -c.alpha[1] * r * np.sin(phi), np.ones_like(r * phi)]
+        [
+            -c.slopes.alpha[0] * r * np.cos(phi),
+            -c.slopes.alpha[1] * r * np.sin(phi),
+            np.ones_like(r * phi),
+        ]
     )
-    P22 = c.distribution().slope_density(r, np.zeros_like(r))
+    P22 = c.slopes.slope_density(r, np.zeros_like(r))
     towards_i = np.maximum(np.einsum("i,ijk->jk", wi[:, 0], m), 0)
     towards_o = np.maximum(np.einsum("i,ijk->jk", wo[:, 0], m), 0)
     length = np.sqrt((m * m).sum(axis=0))

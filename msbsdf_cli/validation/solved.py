@@ -8,6 +8,7 @@ import numpy as np
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.multiple_testing import Finding
 from msbsdf_cli.statistics.test_statistics import ChiSquare, Exact
@@ -17,6 +18,7 @@ from msbsdf_cli.validation.configurations import GRAZING, Configuration
 from msbsdf_cli.validation.identity import Identity
 from msbsdf_cli.validation.phase import BATCHES
 from surfaces.facet import Array
+from surfaces.materials import Conductor, Dielectric, Diffuse
 
 ORDERS = 4
 
@@ -42,7 +44,7 @@ OWN = "the method's own estimate of its error, from two resolutions, and roundin
 
 def solved(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Finding]:
     """One solution, asked for everything it can be asked for."""
-    method = Solve(c.distribution(), c.facets(), ORDERS)
+    method = Solve(c.slopes, c.facets, ORDERS)
     energy = method.energy(c.i[:, 0])
     sides = np.stack([energy.reflected[0], energy.transmitted[0]])
     slack = float(energy.error.sum()) + 1e-12
@@ -54,12 +56,12 @@ def solved(c: Configuration, n: int, rng: np.random.Generator) -> Iterator[Findi
     slack = float(there_error.sum() + scale * back_error.sum()) + ROUNDING * float(there.sum())
     evidence = Exact(float(there.sum()), scale * float(back.sum()), slack, OWN)
     yield Finding("reciprocity, without noise", "4.4.2", c, evidence)
-    if c.facets().specular:
+    if c.facets.specular:
         closed = reference.single_scattering(c, c.i, c.o)
         slack = float(there_error[0]) + ROUNDING * closed
         evidence = Exact(closed, float(there[0]), slack, OWN)
         yield Finding("first order, without noise", "4.4.3", c, evidence)
-    if c.facets().transmits and min(c.alpha) >= ROUGH:
+    if c.facets.transmits and min(c.slopes.alpha) >= ROUGH:
         yield from _towards(c, method, n, rng)
     counts = _walked(c, n, rng)
     orders = ChiSquare.of_counts(counts.ravel(), n * sides.ravel(), "orders and sides")
@@ -76,7 +78,7 @@ def _towards(
     wanted, error = _value(solution, c.i, c.o)
     size = max(n // WALK_COST, LEAST_WALKS) // BATCHES
     for name in ("walk", "walk-low-variance"):
-        method = METHODS[name](c.distribution(), c.facets(), ORDERS)
+        method = METHODS[name](c.slopes, c.facets, ORDERS)
         runs = [method.evaluate(c.i[:, 0], c.o, size, rng).value[0, :, 0] for _ in range(BATCHES)]
         for k in LATER:
             batches = np.array([run[k - 1] for run in runs])
@@ -94,7 +96,7 @@ def _value(method: Solve, wi: Array, wo: Array) -> tuple[Array, Array]:
 def _walked(c: Configuration, n: int, rng: np.random.Generator) -> Array:
     """Walks (2, orders + 1) that leave on either side after each order."""
     counts = np.zeros((2, ORDERS + 1))
-    for light in random_walk(c.distribution(), c.facets(), c.i[:, 0], n, rng, MAX_ORDER):
+    for light in random_walk(c.slopes, c.facets, c.i[:, 0], n, rng, MAX_ORDER):
         below = np.count_nonzero(light.w[2] < 0)
         counts[:, min(light.order, ORDERS + 1) - 1] += light.w.shape[1] - below, below
     return counts
@@ -106,17 +108,17 @@ MAX_ORDER = 10_000
 def hard() -> list[Configuration]:
     """All facets, both distributions, steep and grazing; two roughnesses for mirrors."""
     cases = [
-        ("beckmann", (0.5, 0.5), (GRAZING, 0.3), "conductor"),
-        ("ggx", (1.0, 1.0), (0.5, 0.3), "conductor"),
-        ("ggx", (1.0, 1.0), (GRAZING, 0.3), "dielectric"),
-        ("ggx", (1.0, 0.3), (0.8, 0.3), "conductor"),
-        ("beckmann", (1.0, 1.0), (0.0, 0.0), "diffuse"),
-        ("beckmann", (0.5, 0.5), (0.8, 0.3), "dielectric"),
-        ("ggx", (0.5, 0.5), (GRAZING, 0.3), "diffuse"),
+        (Beckmann(0.5, 0.5), (GRAZING, 0.3), Conductor()),
+        (Ggx(1.0, 1.0), (0.5, 0.3), Conductor()),
+        (Ggx(1.0, 1.0), (GRAZING, 0.3), Dielectric()),
+        (Ggx(1.0, 0.3), (0.8, 0.3), Conductor()),
+        (Beckmann(1.0, 1.0), (0.0, 0.0), Diffuse()),
+        (Beckmann(0.5, 0.5), (0.8, 0.3), Dielectric()),
+        (Ggx(0.5, 0.5), (GRAZING, 0.3), Diffuse()),
     ]
     return [
-        Configuration(slopes, alpha, wi, (0.9, 2.0), material=material, method="solve")
-        for slopes, alpha, wi, material in cases
+        Configuration(slopes, wi, (0.9, 2.0), material=material, method="solve")
+        for slopes, wi, material in cases
     ]
 
 

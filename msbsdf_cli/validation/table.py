@@ -34,10 +34,10 @@ def _entry(row: Judged) -> dict[str, Any]:
     return {
         "identity": finding.identity,
         "section": finding.section,
-        "material": c.material,
-        "slopes": c.slopes,
-        "alpha_x": c.alpha[0],
-        "alpha_y": c.alpha[1],
+        "material": "" if c.material is None else c.material.name,
+        "slopes": c.slopes.name,
+        "alpha_x": c.slopes.alpha[0],
+        "alpha_y": c.slopes.alpha[1],
         "theta_i_rad": c.wi[0],
         "expected": evidence.expected,
         "measured": evidence.measured,
@@ -64,7 +64,7 @@ def differences(rows: list[Judged]) -> Table:
         c = row.finding.configuration
         for pair, value in enumerate(row.finding.detail):
             for column, entry in zip(
-                table.values(), (c.method, c.slopes, pair, value), strict=True
+                table.values(), (c.method, c.slopes.name, pair, value), strict=True
             ):
                 column.append(entry)
     return table
@@ -147,9 +147,9 @@ def failures(rows: list[Judged]) -> list[tuple[str, ...]]:
             (
                 row.finding.identity,
                 c.method,
-                c.material,
-                c.slopes,
-                ",".join(f"{a:.3g}" for a in c.alpha),
+                "" if c.material is None else c.material.name,
+                c.slopes.name,
+                ",".join(f"{a:.3g}" for a in c.slopes.alpha),
                 f"{c.wi[0]:.4g}",
                 f"{evidence.expected:.6g}",
                 measured(evidence.measured, evidence.stderr),

@@ -41,9 +41,9 @@ def normalisation(c: Configuration, n: int, rng: np.random.Generator) -> Iterato
         return
     sums = []
     for nodes in (NODES // 2, NODES):
-        _, weight = visible_slopes(c.distribution(), -c.i, nodes, nodes)
+        _, weight = visible_slopes(c.slopes, -c.i, nodes, nodes)
         sums.append(float(weight.sum()))
-    sigma = float(c.distribution().sigma(-c.i)[0])
+    sigma = float(c.slopes.sigma(-c.i)[0])
     slack = abs(sums[1] - sums[0]) / sigma + 1e-9
     because = f"what half of {NODES} nodes change, and rounding"
     evidence = Exact(1.0, sums[1] / sigma, slack, because)
@@ -54,7 +54,7 @@ def sampled_moments(c: Configuration, n: int, rng: np.random.Generator) -> Itera
     """Moments of sampled normals against those by quadrature (4.2.2)."""
     if projected_area(c, c.i) < SEEN:
         return
-    slopes = c.distribution()
+    slopes = c.slopes
     expected, error = quadrature_moments(slopes, c.i)
     m = slopes.visible_normals(c.i, n, rng)
     values = moments(m / np.sqrt(dot(m, m)))
@@ -79,13 +79,13 @@ def sampled_slopes(c: Configuration, n: int, rng: np.random.Generator) -> Iterat
     area = projected_area(c, c.i)
     if area < SEEN:
         return
-    along, across = _stretched_slopes(c, c.distribution().visible_normals(c.i, n, rng))
+    along, across = _stretched_slopes(c, c.slopes.visible_normals(c.i, n, rng))
     pilot, tested = slice(None, n // 8), slice(n // 8, None)
     borders = np.linspace(0, 1, BINS + 1)[1:-1]
     edges = [np.quantile(v[pilot], borders) for v in (along, across)]
     counts = np.histogram2d(along[tested], across[tested], edges)[0].ravel()
-    s = float(np.hypot(c.alpha[0] * c.i[0, 0], c.alpha[1] * c.i[1, 0]))
-    shares = _shares(c.distribution(), s, float(c.i[2, 0]), *edges) / area
+    s = float(np.hypot(c.slopes.alpha[0] * c.i[0, 0], c.slopes.alpha[1] * c.i[1, 0]))
+    shares = _shares(c.slopes, s, float(c.i[2, 0]), *edges) / area
     total = along[tested].size
     evidence = ChiSquare.of_counts(
         np.append(counts, total - counts.sum()),
@@ -98,8 +98,8 @@ def sampled_slopes(c: Configuration, n: int, rng: np.random.Generator) -> Iterat
 
 def _stretched_slopes(c: Configuration, m: Array) -> tuple[Array, Array]:
     """Slopes over roughness, along the azimuth of the stretched direction and across it."""
-    x, y = -m[0] / m[2] / c.alpha[0], -m[1] / m[2] / c.alpha[1]
-    azimuth = np.arctan2(c.alpha[1] * c.i[1, 0], c.alpha[0] * c.i[0, 0])
+    x, y = -m[0] / m[2] / c.slopes.alpha[0], -m[1] / m[2] / c.slopes.alpha[1]
+    azimuth = np.arctan2(c.slopes.alpha[1] * c.i[1, 0], c.slopes.alpha[0] * c.i[0, 0])
     cos_phi, sin_phi = np.cos(azimuth), np.sin(azimuth)
     return x * cos_phi + y * sin_phi, y * cos_phi - x * sin_phi
 

@@ -28,7 +28,7 @@ def report(tmp_path_factory):
     def made(command, material="conductor"):
         out = tmp_path_factory.mktemp("reports") / command
         words = ["--material", material, "--threads", 2, "--out", out, "--json"]
-        result = msbsdf(*QUICK[command], *words)
+        result = msbsdf(*QUICK[command], *words, pictures=material == "dielectric")
         assert result.returncode == 0, result.stderr
         return out, json.loads(result.stdout)
 
@@ -133,7 +133,8 @@ def test_a_report_holds_what_the_contract_says(command, material, report):
             if not row["sequence"].startswith(">")
         )
         assert sum(float(row["energy"]) for row in rows) == pytest.approx(2, abs=1e-12)
-    assert (out / "lobes.png").stat().st_size > 10_000
+        for name in ("lobes.png", "lobes_transmitted.png", "free_path.png"):
+            assert (out / name).stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("command", sorted(QUICK))
@@ -234,7 +235,7 @@ def test_what_is_not_finite_is_counted(tmp_path):
 def test_compare_runs_both_and_compares_reports(tmp_path):
     out = tmp_path / "both"
     words = [*QUICK["simulate"][1:], "--alpha", "1", "--out", out]
-    result = msbsdf("compare", *words)
+    result = msbsdf("compare", *words, pictures=True)
     assert result.returncode == 0, result.stderr
     assert "Beyond noise" in result.stdout
     rows = table(out / "agreement.csv")

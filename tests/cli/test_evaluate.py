@@ -34,7 +34,7 @@ def test_methods_agree_in_the_table(material, tmp_path):
     methods = ["walk", "walk-low-variance", "solve"]
     words = ["--method", ",".join(methods), "--material", material, "--theta", "0.3,1.5"]
     words += ["--points", 6, "--samples", "4e4", "--orders", 2, "--out", out, "--json"]
-    result = msbsdf("evaluate", *words)
+    result = msbsdf("evaluate", *words, pictures=True)
     assert result.returncode == 0, result.stderr
     record = json.loads(result.stdout)
     assert [m["method"] for m in record["methods"]] == methods * 2

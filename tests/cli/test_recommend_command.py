@@ -23,7 +23,7 @@ alpha = 0.6
 
 def test_a_scene_gets_a_sentence_a_table_and_a_picture(tmp_path):
     (tmp_path / "kitchen.toml").write_text(SCENE)
-    result = msbsdf("recommend", "kitchen.toml", "--threads", "1", cwd=tmp_path)
+    result = msbsdf("recommend", "kitchen.toml", "--threads", "1", cwd=tmp_path, pictures=True)
     assert result.returncode == 0, result.stderr
     tap, bowl, _ = result.stdout.splitlines()
     assert tap.startswith("tap (alpha 0.02, perceptual 0.141): single scattering is enough, ")

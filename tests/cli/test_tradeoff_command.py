@@ -13,21 +13,17 @@ CONTRACT = [
 ]
 
 
-# A reference may be coarse here: what it is worth, `test_tradeoff.py` sees.
-HASTE = """
-from msbsdf_cli.experiments.tradeoff import reference
-reference.PATIENCE_S = 0
-"""
-
-
-def tradeoff(*words):
-    return msbsdf("tradeoff", *words, before=HASTE)
+@pytest.fixture(autouse=True)
+def haste(monkeypatch):
+    """A reference may be coarse here: what it is worth, `test_tradeoff.py` sees."""
+    monkeypatch.setattr("msbsdf_cli.experiments.tradeoff.reference.PATIENCE_S", 0)
 
 
 def test_a_report_holds_what_the_contract_says(tmp_path):
     out = tmp_path / "report"
     methods = "single,walk,exact,solve"
-    result = tradeoff(*QUICK, *SURFACES, "--method", methods, "--out", out, "--json")
+    words = [*QUICK, *SURFACES, "--method", methods, "--out", out, "--json"]
+    result = msbsdf("tradeoff", *words, pictures=True)
     assert result.returncode == 0, result.stderr
     record = json.loads(result.stdout)
     assert record["command"] == "tradeoff"
@@ -53,7 +49,8 @@ def test_a_report_holds_what_the_contract_says(tmp_path):
 
 def test_dielectrics_and_ggx_with_quasirandom_points_and_no_surfaces(tmp_path):
     words = ["--material", "dielectric", "--slopes", "ggx", "--method", "walk,walk-low-variance"]
-    result = tradeoff(*QUICK, *words, "--alpha", "0.6,0.4", "--qmc", "--out", tmp_path / "r")
+    words += ["--alpha", "0.6,0.4", "--qmc", "--out", tmp_path / "r"]
+    result = msbsdf("tradeoff", *QUICK, *words)
     assert result.returncode == 0, result.stderr
     assert "Beckmann slopes only" in result.stderr
     assert not any(r["method"] == "simulate" for r in table(tmp_path / "r" / "tradeoff.csv"))

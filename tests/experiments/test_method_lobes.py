@@ -45,15 +45,16 @@ def test_energy_of_grazing_light_is_that_of_solve(alpha):
 
 
 def test_error_of_an_energy_is_noise_and_not_where_the_parts_look():
-    scene = Scene(Conductor(), Beckmann(0.1, 0.1), (0.5,), 0.0, orders=1)
+    # At grazing incidence the chance to leave makes noise of what is otherwise all the energy.
+    scene = Scene(Conductor(), Beckmann(0.1, 0.1), (1.5,), 0.0, orders=1)
     wo, solid_angle = bins(False, 4)
     runs = [
-        evaluate(scene, ("walk",), wo, 3200, seed, 1, "float64", True, solid_angle)[0].energy
-        for seed in range(24)
+        evaluate(scene, ("walk",), wo, 160, seed, 1, "float64", True, solid_angle)[0].energy
+        for seed in range(12)
     ]
     energies = np.array([run[0, 0, 0, 0] for run in runs])
     stated = np.sqrt(np.mean([run[1, 0, 0, 0] ** 2 for run in runs]))
-    # 24 runs tell a scatter to 15 %; the places differ by ten times as much.
+    # 12 runs tell a scatter to 21 %; the places differ by a hundred times as much.
     assert energies.std(ddof=1) == pytest.approx(stated, rel=0.5)
 
 

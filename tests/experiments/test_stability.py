@@ -1,6 +1,7 @@
 """The map of stability: its truth, its verdicts on what is broken on purpose, its pieces."""
 
 from dataclasses import asdict, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -33,8 +34,14 @@ def point(material=None, slopes=None, theta=0.7, parameter="theta"):
     return Point(parameter, theta, scene)
 
 
+@cache
+def truth_of(at):
+    """The truth of a point, found once for all that is held against it."""
+    return Truth(at, 0)
+
+
 def verdict(method, at, dtype=np.float64):
-    truth = Truth(at, 0)
+    truth = truth_of(at)
     figures = measure(method, truth, dtype, 0)
     return verdicts.judge(figures, truth, method.traits, method.deterministic, 1.0)
 
@@ -71,7 +78,7 @@ def test_a_rule_that_walks_contradict_is_no_truth():
 @pytest.mark.parametrize("theta", [0.3, 1.4])
 def test_truths_from_different_sources_agree(material, theta):
     at = point(material, Beckmann(0.7, 0.7), theta)
-    truth = Truth(at, 0)
+    truth = truth_of(at)
     first, error = truth.first()
     # The other quadrature knows of no edge of total reflection, and is right to 1e-2 or so there.
     slack = 2e-2 if material.ior < 1 else 1e-4

@@ -8,13 +8,14 @@ from domain import slopes as any_slopes
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from msbsdf_cli.methods import albedo_table
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
 TABLED = ("energy-compensated", "turquin")
-"""Methods that take seconds for their tables."""
+"""Methods that make tables first."""
 
 QUICK = tuple(name for name in METHODS if name not in (*TABLED, "published", "solve"))
 """`published` fails as it is known to; `solve` says beforehand how long it takes, and is tested on
@@ -47,8 +48,20 @@ def test_a_method_answers_or_refuses(name, slopes, w, ior, albedo, kind, dtype, 
     answers_or_refuses(name, slopes, w, ior, albedo, kind, dtype, seed)
 
 
+@pytest.fixture(scope="module")
+def coarse_tables():
+    """Tables of a tenth of the nodes: how fine they are is no matter here, and takes seconds."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(albedo_table, "POLAR_NODES", 16)
+        patch.setattr(albedo_table, "AZIMUTHS", 7)
+        albedo_table.table_of.cache_clear()
+        yield
+    albedo_table.table_of.cache_clear()
+
+
+@pytest.mark.usefixtures("coarse_tables")
 @pytest.mark.parametrize("name", TABLED)
-@settings(deadline=None, max_examples=8)
+@settings(deadline=None, max_examples=12)
 @anything
 def test_a_method_with_tables_answers_or_refuses(name, slopes, w, ior, albedo, kind, dtype, seed):
     answers_or_refuses(name, slopes, w, ior, albedo, kind, dtype, seed)

@@ -1,5 +1,7 @@
 """The deterministic solution: closed forms, conservation, reciprocity, and the random walk."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -49,6 +51,14 @@ def walked(slopes, material, wi, n, orders):
     return mean, np.sqrt(np.maximum(square / n - mean**2, 1 / n) / n)
 
 
+@cache
+def fine(slopes, alpha, material):
+    """The solution of three orders, made once for all that ask for energies: at resolution 1, of
+    glass of two roughnesses at .7, whose energies are right to 2e-4."""
+    dear = material.transmits and alpha[0] != alpha[1]
+    return Solve(distribution(slopes)(*alpha), material, 3, 0.7 if dear else 1.0).fine
+
+
 def both_sides(energy):
     return np.stack([energy.reflected, energy.transmitted], axis=1)
 
@@ -59,21 +69,26 @@ def test_single_scattering_of_ggx_at_normal_incidence_has_a_closed_form():
     assert energy.reflected[0, 0] == pytest.approx(1 - np.log(2), abs=1e-11)
 
 
-@pytest.mark.parametrize("slopes", ["beckmann", "ggx"])
 @pytest.mark.parametrize(
-    ("material", "alpha"),
+    ("slopes", "material", "alpha"),
     [
-        *((Conductor(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
-        *((Diffuse(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
-        *((m, (0.6, 0.3)) for m in (Conductor(), Diffuse())),
-        *((Dielectric(ior), (1.0, 1.0)) for ior in (1.5, 0.7)),
-        (Dielectric(1.5), (0.6, 0.3)),
+        *(
+            (slopes, material, alpha)
+            for slopes in ("beckmann", "ggx")
+            for material, alpha in (
+                *((Conductor(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
+                *((Diffuse(), (a, a)) for a in (5.0, 1.0, 0.2, 0.05)),
+                *((m, (0.6, 0.3)) for m in (Conductor(), Diffuse())),
+                *((Dielectric(ior), (1.0, 1.0)) for ior in (1.5, 0.7)),
+            )
+        ),
+        ("beckmann", Dielectric(1.5), (1.0, 0.2)),
+        ("ggx", Dielectric(0.7), (0.4, 0.8)),
     ],
 )
 def test_no_energy_is_lost_over_all_orders(slopes, material, alpha):
-    solve = Solve(distribution(slopes)(*alpha), material, 2)
     for theta in (0, 0.7, 1.5, 1.57):
-        energy = solve.fine.energy(direction(theta, 0.4))
+        energy = fine(slopes, alpha, material).energy(direction(theta, 0.4))
         # Nothing normalises a mirror's kernel: its sum shows the error of the quadrature, worst
         # where lobes are narrow or the surface is very rough.
         assert abs(energy.sum() - 1) < (1e-5 if isinstance(material, Conductor) else 1e-11)
@@ -85,7 +100,7 @@ def test_no_energy_is_lost_over_all_orders(slopes, material, alpha):
 )
 def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
     surface = distribution(slopes)(1.0, 1.0)
-    solve, reference = (Solve(surface, material, 3, r) for r in (1, 1.5))
+    solve, reference = (Solve(surface, material, 3, r) for r in (1, 1.3))
     for theta in (0.3, 1.5):
         wi = direction(theta)
         energy, finer = solve.energy(wi), reference.fine.energy(wi)
@@ -105,7 +120,7 @@ def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
         (Diffuse((0.8, 1.0)), "ggx", (1.0, 1.0), 1.3),
         (Diffuse((0.8, 1.0)), "beckmann", (0.4, 0.8), 1.0),
         (Dielectric(1.5), "beckmann", (1.0, 1.0), 0.8),
-        (Dielectric(1.5), "ggx", (0.8, 0.8), 1.3),
+        (Dielectric(1.5), "ggx", (1.0, 1.0), 1.3),
         (Dielectric(0.7), "ggx", (0.4, 0.8), 1.3),
         (Dielectric(1.5), "beckmann", (1.0, 0.2), 1.0),
     ],
@@ -113,7 +128,7 @@ def test_energy_error_is_what_a_finer_solution_shows(slopes, material):
 def test_energies_of_the_random_walk(material, slopes, alpha, theta):
     surface, wi = distribution(slopes)(*alpha), direction(theta, 0.7)
     mean, stderr = walked(surface, material, wi, 100_000, 3)
-    energy = Solve(surface, material, 3).fine.energy(wi)[0]
+    energy = fine(slopes, alpha, material).energy(wi)[0]
     # Eight numbers each: 4.5 standard errors are passed once in 1e4 runs of all of them.
     assert np.all(np.abs(mean[0] - energy) < 4.5 * stderr[0])
 
@@ -133,7 +148,9 @@ def test_directions_of_the_random_walk(material, slopes, alpha, theta):
     surface, wi = distribution(slopes)(*alpha), direction(theta, 0.7)
     mean, stderr = walked(surface, material, wi, 100_000, 2)
     wo, area = sphere(14, 24)
-    value = Solve(surface, material, 2, resolution=0.8).fine.evaluate(wi, wo)[0][0]
+    # Of glass, resolutions .6 and .8 differ by 1e-6 of the incident light here.
+    resolution = 0.6 if material.transmits else 0.8
+    value = Solve(surface, material, 2, resolution).fine.evaluate(wi, wo)[0][0]
     for side, lanes in enumerate((wo[2] > 0, wo[2] < 0)):
         moments = np.stack([1 + 0 * area, wo[0], wo[1] ** 2, wo[2]])[:, lanes] * area[lanes]
         solved = moments @ value[:, lanes].T

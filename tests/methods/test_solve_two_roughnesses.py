@@ -1,5 +1,6 @@
 """`solve` for two very different roughnesses, to grazing angles, and the errors it states."""
 
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,6 +20,12 @@ def direction(theta, phi=0.0):
     return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
 
 
+@cache
+def fine(slopes, material, alpha, resolution=1.0):
+    """A solution of four orders, made once for all that ask for its energies."""
+    return Solve(distribution(slopes)(*alpha), material, 4, resolution).fine
+
+
 def energies(solve):
     """Energies of both sides and their stated errors, (angles, orders + 1)."""
     both = [solve.albedo(direction(*angles)) for angles in ANGLES]
@@ -36,16 +43,20 @@ def walked(slopes, material, wi, n, orders):
 
 @pytest.mark.parametrize(("slopes", "alpha"), [("beckmann", (0.1, 1.0)), ("ggx", (1.0, 0.1))])
 def test_all_orders_of_a_mirror_sum_to_one(slopes, alpha):
-    fine = Solve(distribution(slopes)(*alpha), Conductor(), 4).fine
-    total = [fine.energy(direction(*angles)).sum() for angles in ANGLES]
+    solved = fine(slopes, Conductor(), alpha)
+    total = [solved.energy(direction(*angles)).sum() for angles in ANGLES]
     np.testing.assert_allclose(total, 1, atol=5e-6)
 
 
-@pytest.mark.parametrize(("material", "n"), [(Conductor(), 200_000), (Dielectric(1.5), 400_000)])
-def test_grazing_orders_are_those_of_the_random_walk(material, n):
-    surface, wi = distribution("beckmann")(0.1, 1.0), direction(1.5)
-    mean, stderr = walked(surface, material, wi, n, 4)
-    energy = Solve(surface, material, 4).fine.energy(wi)[0].sum(axis=0)
+@pytest.mark.parametrize(
+    ("material", "n", "resolution"),
+    # Of glass, energies at resolution .7 are right to 1e-4 here, a tenth of what walks allow.
+    [(Conductor(), 200_000, 1.0), (Dielectric(1.5), 400_000, 0.7)],
+)
+def test_grazing_orders_are_those_of_the_random_walk(material, n, resolution):
+    wi = direction(1.5)
+    mean, stderr = walked(distribution("beckmann")(0.1, 1.0), material, wi, n, 4)
+    energy = fine("beckmann", material, (0.1, 1.0), resolution).energy(wi)[0].sum(axis=0)
     assert np.all(np.abs(energy - mean) < 4.5 * stderr)
 
 
@@ -54,15 +65,15 @@ def test_grazing_orders_are_those_of_the_random_walk(material, n):
     [
         ("beckmann", Conductor(), (0.1, 1.0), 0.7, 1.0),
         ("ggx", Conductor(), (1.0, 0.1), 0.7, 1.0),
-        ("ggx", METAL, (0.3, 0.9), 0.8, 1.2),
-        ("beckmann", Diffuse(), (0.3, 0.9), 1.0, 1.3),
-        ("ggx", Dielectric(1.5), (0.3, 0.9), 0.5, 0.8),
+        ("ggx", METAL, (0.3, 0.9), 0.7, 1.0),
+        ("beckmann", Diffuse(), (0.3, 0.9), 0.8, 1.1),
+        ("ggx", Dielectric(1.5), (0.3, 0.9), 0.5, 0.75),
     ],
 )
 def test_stated_errors_of_energies_cover_the_true_ones(slopes, material, alpha, resolution, finer):
     surface = distribution(slopes)(*alpha)
     value, error = energies(Solve(surface, material, 4, resolution))
-    truth = Solve(surface, material, 4, finer).fine
+    truth = fine(slopes, material, alpha, finer)
     expected = np.array([truth.energy(direction(*angles))[0].sum(axis=0) for angles in ANGLES])
     # Estimates, not bounds: once in a hundred they fall short, by no more than a factor of two.
     assert np.all(np.abs(value - expected) < 2 * error + 1e-8)

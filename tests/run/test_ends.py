@@ -13,15 +13,18 @@ from command_line import RUN, msbsdf
 
 from msbsdf_cli.results.seal import unsealed
 
-# The interrupt of a shell's background job is ignored, which would be inherited.
-WAKE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 LONG = ["walk", "--samples", "1e11", "--quiet"]
 
 
 def start(*words):
     """A run in a process of its own; its standard error is a pipe that its workers hold too."""
-    command = [sys.executable, "-c", WAKE + RUN, *map(str, words)]
-    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    command = [sys.executable, "-c", RUN, *map(str, words)]
+    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts)
+
+
+def heed_interrupts():
+    """The interrupt of a shell's background job is ignored, which would be inherited."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def running(pid):
@@ -47,18 +50,20 @@ def alive(pid):
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"])
-def test_a_killed_run_leaves_nothing(name, threads, tmp_path, monkeypatch):
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *args, **keywords: None)
+def test_a_killed_run_leaves_nothing(name, threads, tmp_path):
     notes = tmp_path / "notes.txt"
     notes.write_text("mine")
     # Between start-up and long after it, another moment for each case.
-    moment = np.random.default_rng([threads, getattr(signal, name)]).uniform(0.3, 2.0)
+    moment = np.random.default_rng([threads, getattr(signal, name)]).uniform(0.3, 1.4)
     process = start(*LONG, "--threads", threads, "--out", tmp_path / "r")
     time.sleep(moment)
     workers = running(process.pid)
     process.send_signal(getattr(signal, name))
-    # Workers hold standard error open: it ends with the last of them.
-    _, said = process.communicate(timeout=5)
+    try:
+        # Workers hold standard error open: it ends with the last of them.
+        _, said = process.communicate(timeout=20)
+    finally:
+        process.kill()
     time.sleep(0.5)
     assert not any(alive(worker) for worker in workers)
     assert process.returncode != 0

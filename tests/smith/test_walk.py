@@ -113,10 +113,10 @@ def by_rejection(slopes, wi, rng):
 @pytest.mark.parametrize(("alpha", "theta"), [((0.5, 0.5), 1.0), ((1.0, 0.4), 0.3)])
 def test_energies_against_a_walk_in_heights(material, alpha, theta, rng):
     slopes = Beckmann(*alpha)
-    n = 40_000
+    n = 44_000
     reference = paper_walk(slopes, material, theta, n, rng)
     facets = {"conductor": Conductor(), "diffuse": Diffuse(), "dielectric": Dielectric(1.5)}
-    tally = run(slopes, facets[material], theta, 1_000_000)
+    tally = run(slopes, facets[material], theta)
     ours = tally.estimate("energy")
     expected = np.vstack([reference[1:5], reference[5:].sum(axis=0)])
     noise = np.sqrt(expected * (1 - expected) / n + ours.stderr**2 + 1 / n**2)

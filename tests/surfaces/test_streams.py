@@ -8,6 +8,7 @@ from zlib import crc32
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from command_line import NO_PICTURES
 
 from msbsdf_cli.cli import group
 from msbsdf_cli.experiments.convergence import Steps
@@ -29,7 +30,10 @@ RUNS = [
     ],
 ]
 FEWER = {
-    "msbsdf_cli.experiments.convergence": {"STEPS": Steps((4, 6), (8, 16), surfaces=2)},
+    "msbsdf_cli.experiments.convergence": {
+        "STEPS": Steps((4, 6), (4, 8), (30, None), surfaces=2),
+        "EXTENT": 8,
+    },
     "msbsdf_cli.experiments.tradeoff.roughness": {"ALPHAS": (0.5, 1.0)},
 }
 
@@ -46,7 +50,8 @@ def keys(monkeypatch):
 
     monkeypatch.setattr(np.random, "SeedSequence", Recorded)
     # No picture is made of random numbers, and drawing takes longer than the run.
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *args, **keywords: None)
+    for drawing, instead in NO_PICTURES.items():
+        monkeypatch.setattr(drawing, instead)
     for module, values in FEWER.items():
         for constant, value in values.items():
             monkeypatch.setattr(f"{module}.{constant}", value)

@@ -12,12 +12,12 @@ from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from msbsdf_cli.statistics.multiple_testing import judge
 from msbsdf_cli.validation import free_paths, height_walk, intersection
 from msbsdf_cli.validation.configurations import Configuration
-from surfaces.materials import _material
+from surfaces.materials import Conductor, Dielectric, _material
 
-ABOVE = Configuration("beckmann", (1.0, 1.0), (1.2, 0.0), (1.0, 2.0), heights="gaussian")
-DOWN = Configuration("ggx", (1.0, 0.5), (2.2, 0.3), (0.7, 2.0), heights="uniform")
-MIRROR = Configuration("ggx", (1.0, 1.0), (1.0, 0.3), (0.8, 2.5), material="conductor")
-GLASS = Configuration("beckmann", (1.5, 1.5), (1.2, 0.3), (2.6, 3.3), material="dielectric")
+ABOVE = Configuration(Beckmann(1.0, 1.0), (1.2, 0.0), (1.0, 2.0), heights="gaussian")
+DOWN = Configuration(Ggx(1.0, 0.5), (2.2, 0.3), (0.7, 2.0), heights="uniform")
+MIRROR = Configuration(Ggx(1.0, 1.0), (1.0, 0.3), (0.8, 2.5), material=Conductor())
+GLASS = Configuration(Beckmann(1.5, 1.5), (1.2, 0.3), (2.6, 3.3), material=Dielectric())
 ZENITH = np.array([[0.0], [0.0], [1.0]])
 
 
@@ -108,7 +108,7 @@ def lambda_of_masking(monkeypatch):
     """Lambda 1 % too large where masking is measured, and nowhere else."""
 
     def faulty(c, t, w, rng):
-        sigma = 1.01 * c.distribution().sigma(w)
+        sigma = 1.01 * c.slopes.sigma(w)
         E = smith_walk.exponential(t.size, rng, float)
         return smith_walk.free_path(t, w, sigma, E)[0]
 

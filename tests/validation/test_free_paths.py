@@ -3,6 +3,7 @@
 from msbsdf_cli.methods import forced_collisions
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.smith.heights import Gaussian
+from msbsdf_cli.smith.slopes import Beckmann
 from msbsdf_cli.validation import free_paths, intersection
 from msbsdf_cli.validation.configurations import Configuration
 from validation.fault_injection import (
@@ -16,7 +17,7 @@ from validation.fault_injection import (
     one_percent_more,
 )
 
-GRAZING = Configuration("beckmann", (1.0, 1.0), (1.5, 0.0), heights="gaussian")
+GRAZING = Configuration(Beckmann(1.0, 1.0), (1.5, 0.0), heights="gaussian")
 
 
 def heights_off(monkeypatch):

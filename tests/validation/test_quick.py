@@ -17,6 +17,13 @@ from validation.fault_injection import (
 FAMILY = 1000
 """Measurements of a quick run, or nearly: a part of them must fail at the level of them all."""
 
+GLASS = "solved"
+"""The section whose faults are of light through facets: what else it has would take long."""
+
+
+def glass(job):
+    return job.configuration.facets.transmits
+
 
 @cache
 def failing(section, fault=None):
@@ -25,7 +32,8 @@ def failing(section, fault=None):
     with pytest.MonkeyPatch.context() as patch:
         if fault is not None:
             fault(patch)
-        findings = [f for job in plan(QUICK_SAMPLES, 0, True, of_section) for f in run(job)]
+        jobs = (j for j in plan(QUICK_SAMPLES, 0, True, of_section) if section != GLASS or glass(j))
+        findings = [f for job in jobs for f in run(job)]
     rows = judge(findings, FAMILY_ERROR * len(findings) / FAMILY)
     return {(row.finding.identity, row.finding.configuration.method) for row in rows if row.failed}
 

@@ -260,7 +260,7 @@ class DiffuseGrid(QuarterGrid, Discretisation):
         theta = np.repeat(np.pi / 2 * u, n)
         phi = np.tile((np.arange(n) + 0.5) * np.pi / (2 * n), u.size)
         area = np.repeat(np.pi / 2 * du, n) * np.sin(theta) * np.pi / (2 * n)
-        alpha_x, alpha_y = self.slopes.alpha_x, self.slopes.alpha_y
+        alpha_x, alpha_y = self.slopes.alpha
         x, y = alpha_x * np.sin(theta) * np.cos(phi), alpha_y * np.sin(theta) * np.sin(phi)
         m = np.stack([x, y, np.cos(theta)])
         length = np.sqrt(dot(m, m))

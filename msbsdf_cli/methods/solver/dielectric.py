@@ -74,7 +74,7 @@ class DielectricSolution:
 
     def _discretise(self, energy_only: bool) -> TwoSides:
         """As fine as the lobes are narrow, as for a half space."""
-        alpha, wide = sorted((self.slopes.alpha_x, self.slopes.alpha_y))
+        alpha, wide = sorted(self.slopes.alpha)
         directions: InterpolatedModes | InterpolatedGrid
         if alpha == wide:
             elevations = self._elevations(16 + 4 / alpha + 10 * np.sqrt(alpha))

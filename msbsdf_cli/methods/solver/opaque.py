@@ -69,7 +69,7 @@ class OpaqueSolution:
         still in azimuth towards grazing angles; what a diffuse facet scatters is wide. On very
         rough surfaces all is decided near grazing angles. A grid of directions has to afford
         less in azimuth than Fourier modes do."""
-        alpha, wide = sorted((self.slopes.alpha_x, self.slopes.alpha_y))
+        alpha, wide = sorted(self.slopes.alpha)
         diffuse = not self.material.specular
         if alpha == wide:
             elevations = Elevations(

@@ -149,7 +149,7 @@ class SecondOrder:
 
     def _interpolation(self, v: Array) -> Interpolation:
         """To directions (3, lanes): along the x-axis some direction has the same extinction."""
-        a_x, a_y = self.slopes.alpha_x, self.slopes.alpha_y
+        a_x, a_y = self.slopes.alpha
         x = coordinate(np.hypot(a_x * v[0], a_y * v[1]), a_x * np.abs(v[2]))
         return Interpolation(self.elevations.interpolation(x), v[2] < 0)
 

@@ -24,7 +24,7 @@ def chosen_modes(modes: float, dense: int) -> float:
 
 def needed_bytes(slopes: Slopes, material: Material) -> float:
     """About how many bytes directional values take, at resolution 1."""
-    alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
+    alpha, wide = sorted(slopes.alpha)
     if material.transmits:
         modes = chosen_modes(16 + 16 / alpha, DENSE_WITH_EDGES)
         elevations, copies = 16 + 4 / alpha, COPIES_OF_INTERFACES
@@ -41,7 +41,7 @@ def needed_bytes(slopes: Slopes, material: Material) -> float:
 
 def energy_seconds(slopes: Slopes, material: Material) -> float:
     """About how many seconds one core needs for the energies of all orders, at resolution 1."""
-    alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
+    alpha, wide = sorted(slopes.alpha)
     if alpha != wide:
         nodes = (14 + 1.2 / alpha + 6 * np.sqrt(wide)) * (4 + 1.4 * wide / alpha)
         return float((2e-8 if material.transmits else 1e-8) * nodes**3 + 0.1)
@@ -52,7 +52,7 @@ def energy_seconds(slopes: Slopes, material: Material) -> float:
 def value_seconds(slopes: Slopes, material: Material) -> float:
     """About how many seconds one core needs for directional values, at resolution 1: fits to what
     was measured at roughness 0.01 to 100 and 1,0.1."""
-    alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
+    alpha, wide = sorted(slopes.alpha)
     if alpha != wide:
         per_alpha, wider, each = (0.4, 2, 6e-8) if material.transmits else (1.2, 6, 8e-9)
         lobes = 8 + wide / alpha + 1 / alpha

@@ -77,7 +77,7 @@ class SlopeQuadrature:
         """
         s, c = float(np.hypot(d[0], d[1])), -float(d[2])
         cos_phi, sin_phi = (d[0] / s, d[1] / s) if s > 0 else (1.0, 0.0)
-        a_x, a_y = self.slopes.alpha_x, self.slopes.alpha_y
+        a_x, a_y = self.slopes.alpha
         along = np.hypot(a_x * cos_phi, a_y * sin_phi)
         across = a_x * a_y / along
         shear = cos_phi * sin_phi * (a_x - a_y) * (a_x + a_y) / along**2

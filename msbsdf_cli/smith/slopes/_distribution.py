@@ -37,6 +37,11 @@ class Slopes(ABC):
         return type(self).__module__.rpartition(".")[2].replace("_", "-")
 
     @property
+    def alpha(self) -> tuple[float, float]:
+        """Roughness along x and y."""
+        return self.alpha_x, self.alpha_y
+
+    @property
     def textured(self) -> bool:
         """Whether each lane has a roughness of its own."""
         return np.ndim(self.alpha_x) > 0
