@@ -2,6 +2,7 @@
 
 import math
 import os
+from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any
 
@@ -28,28 +29,39 @@ MOST_ANGLES = 100
 """In one run: each has a row of pictures, and 1.5 megabytes of bins."""
 
 
-class Roughness(click.ParamType):
+class Typed(click.ParamType):
+    """What a text means, or a sentence on why it means nothing."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """What is no text is what one has meant."""
+        if not isinstance(value, str):
+            return value
+        try:
+            return self.read(value)
+        except ValueError as error:
+            self.fail(f"{error}", param, ctx)
+
+    @abstractmethod
+    def read(self, text: str) -> Any:
+        """What `text` means. Raises ValueError with a sentence where that is nothing."""
+
+
+class Roughness(Typed):
     """`A` or `AX,AY`, positive and finite."""
 
     name = "A|AX,AY"
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, float]:
-        if isinstance(value, tuple):
-            return value
-        alphas = _numbers(self, value, param, ctx)
+    def read(self, text: str) -> tuple[float, float]:
+        alphas = _numbers(text)
         if len(alphas) not in (1, 2) or not all(0 < a < math.inf for a in alphas):
-            self.fail(
-                f"{quoted(value)} is not a roughness: one or two numbers above 0.", param, ctx
-            )
+            raise ValueError(f"{quoted(text)} is not a roughness: one or two numbers above 0.")
         if not all(LEAST_ROUGHNESS <= a <= MOST_ROUGHNESS for a in alphas):
             wanted = f"a roughness is from {LEAST_ROUGHNESS:g} to {MOST_ROUGHNESS:g}"
-            self.fail(f"{quoted(value)} is beyond every surface: {wanted}.", param, ctx)
+            raise ValueError(f"{quoted(text)} is beyond every surface: {wanted}.")
         return alphas[0], alphas[-1]
 
 
-class Angles(click.ParamType):
+class Angles(Typed):
     """Angles in radians, or in degrees where a value ends in `deg`, separated by commas."""
 
     name = "T[,T...]"
@@ -57,30 +69,24 @@ class Angles(click.ParamType):
     def __init__(self, low: float, high: float, where: str, count: int | None = None) -> None:
         self.low, self.high, self.where, self.count = low, high, where, count
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, ...]:
-        if isinstance(value, tuple):
-            return value
+    def read(self, text: str) -> tuple[float, ...]:
         angles = []
-        for part in str(value).split(","):
-            text = part.strip()
-            factor = math.pi / 180 if text.endswith("deg") else 1.0
-            (number,) = _numbers(self, text.removesuffix("deg"), param, ctx)
-            angle = number * factor
+        for part in map(str.strip, text.split(",")):
+            factor = math.pi / 180 if part.endswith("deg") else 1.0
+            angle = _numbers(part.removesuffix("deg"))[0] * factor
             if not self.low <= angle < self.high:
-                self.fail(f"{quoted(text)} is not an angle {self.where}.", param, ctx)
+                raise ValueError(f"{quoted(part)} is not an angle {self.where}.")
             angles.append(angle)
         if self.count is not None and len(angles) != self.count:
-            self.fail(f"{quoted(value)}: one angle is wanted.", param, ctx)
+            raise ValueError(f"{quoted(text)}: one angle is wanted.")
         if len(angles) > MOST_ANGLES:
-            self.fail(f"{len(angles)} angles are too many: {MOST_ANGLES} a run.", param, ctx)
+            raise ValueError(f"{len(angles)} angles are too many: {MOST_ANGLES} a run.")
         if len(set(angles)) < len(angles):
-            self.fail(f"{quoted(value)} names an angle twice.", param, ctx)
+            raise ValueError(f"{quoted(text)} names an angle twice.")
         return tuple(angles)
 
 
-class Count(click.ParamType):
+class Count(Typed):
     """A whole number from `least` to `most`, also written `1e6`."""
 
     name = "N"
@@ -88,24 +94,24 @@ class Count(click.ParamType):
     def __init__(self, least: int = 1, even: bool = False, most: float = math.inf) -> None:
         self.least, self.even, self.most = least, even, most
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+    def read(self, text: str) -> int:
         try:
-            number = int(value)
+            number = int(text)
         except ValueError:
-            (real,) = _numbers(self, value, param, ctx, count=1)
+            (real,) = _numbers(text, count=1)
             if not math.isfinite(real) or real != int(real):
-                self.fail(f"{quoted(value)} is not a whole number.", param, ctx)
+                raise ValueError(f"{quoted(text)} is not a whole number.") from None
             number = int(real)
         if number < self.least:
-            self.fail(f"{quoted(value)} is too few: at least {self.least} are wanted.", param, ctx)
+            raise ValueError(f"{quoted(text)} is too few: at least {self.least} are wanted.")
         if number > self.most:
-            self.fail(f"{quoted(value)} is too many: at most {self.most:g} are taken.", param, ctx)
+            raise ValueError(f"{quoted(text)} is too many: at most {self.most:g} are taken.")
         if self.even and number % 2:
-            self.fail(f"{quoted(value)} is odd: an even number is wanted.", param, ctx)
+            raise ValueError(f"{quoted(text)} is odd: an even number is wanted.")
         return number
 
 
-class Real(click.ParamType):
+class Real(Typed):
     """A finite number for which `holds` is true; `wanted` says so in words."""
 
     name = "X"
@@ -113,16 +119,14 @@ class Real(click.ParamType):
     def __init__(self, holds: Callable[[float], bool], wanted: str) -> None:
         self.holds, self.wanted = holds, wanted
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        (number,) = _numbers(self, value, param, ctx, count=1)
+    def read(self, text: str) -> float:
+        (number,) = _numbers(text, count=1)
         if not (math.isfinite(number) and self.holds(number)):
-            self.fail(f"{quoted(value)} is not {self.wanted}.", param, ctx)
+            raise ValueError(f"{quoted(text)} is not {self.wanted}.")
         return number
 
 
-class Numbers(click.ParamType):
+class Numbers(Typed):
     """Numbers from `low` to `high` separated by commas, as many as `count` where it is given."""
 
     name = "X,X..."
@@ -132,36 +136,26 @@ class Numbers(click.ParamType):
     ) -> None:
         self.count, self.low, self.high = count, low, high
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, ...]:
-        if isinstance(value, tuple):
-            return value
-        numbers = _numbers(self, value, param, ctx, self.count)
+    def read(self, text: str) -> tuple[float, ...]:
+        numbers = _numbers(text, self.count)
         for x in numbers:
             if not self.low <= x <= self.high:
-                self.fail(f"{x:g} is not from {self.low:g} to {self.high:g}.", param, ctx)
+                raise ValueError(f"{x:g} is not from {self.low:g} to {self.high:g}.")
         return numbers
 
 
-def _numbers(
-    kind: click.ParamType,
-    value: Any,
-    param: click.Parameter | None,
-    ctx: click.Context | None,
-    count: int | None = None,
-) -> tuple[float, ...]:
+def _numbers(text: str, count: int | None = None) -> tuple[float, ...]:
     try:
-        numbers = tuple(float(part) for part in str(value).split(","))
+        numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
-        kind.fail(f"{quoted(value)} is not a number.", param, ctx)
+        raise ValueError(f"{quoted(text)} is not a number.") from None
     if any(math.isnan(x) for x in numbers) or (count is not None and len(numbers) != count):
         wanted = "a number" if count in (None, 1) else f"{count} numbers"
-        kind.fail(f"{quoted(value)} is not {wanted}.", param, ctx)
+        raise ValueError(f"{quoted(text)} is not {wanted}.")
     return numbers
 
 
-class Methods(click.ParamType):
+class Methods(Typed):
     """Names of methods separated by commas, and of what else is `also` taken for one."""
 
     name = "NAME[,NAME...]"
@@ -169,15 +163,11 @@ class Methods(click.ParamType):
     def __init__(self, also: tuple[str, ...] = ()) -> None:
         self.names = (*METHODS, *also)
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, ...]:
-        if isinstance(value, tuple):
-            return value
-        names = tuple(dict.fromkeys(part.strip() for part in value.split(",")))
+    def read(self, text: str) -> tuple[str, ...]:
+        names = tuple(dict.fromkeys(part.strip() for part in text.split(",")))
         for name in names:
             if name not in self.names:
-                self.fail(f"{quoted(name)} is not a method; --help lists them.", param, ctx)
+                raise ValueError(f"{quoted(name)} is not a method; --help lists them.")
         return names
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.realisations import Resolution, make_surface
-from msbsdf_cli.results.files import Table
+from msbsdf_cli.results.files import Table, from_rows
 from msbsdf_cli.results.lobes import order_names
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
@@ -137,10 +137,7 @@ def _energies(trial: Trial) -> list[Array]:
 
 
 def _table(scene: Scene, results: dict[tuple[str, float | None], Array]) -> Table:
-    names = ("parameter", "value", "theta_i_rad", "order", "side", "energy", "stderr")
-    table: dict[str, list[float | str]] = {
-        name: [] for name in (*names, "difference", "difference_stderr")
-    }
+    rows = []
     finest = {parameter: energies for (parameter, _), energies in results.items()}
     for (parameter, value), energies in results.items():
         last = finest[parameter]
@@ -154,17 +151,11 @@ def _table(scene: Scene, results: dict[tuple[str, float | None], Array]) -> Tabl
         for i, theta in enumerate(scene.theta):
             for j, order in enumerate(order_names(scene.orders)):
                 for k, side in enumerate(SIDES[: 1 + scene.material.transmits]):
-                    row = (
-                        parameter,
-                        "all" if value is None else float(value),
-                        theta,
-                        order,
-                        side,
-                        *(float(a[i, j, k]) for a in (mean, stderr, apart, apart_stderr)),
-                    )
-                    for column, cell in zip(table.values(), row, strict=True):
-                        column.append(cell)
-    return table
+                    place = parameter, "all" if value is None else float(value), theta, order, side
+                    figures = (float(a[i, j, k]) for a in (mean, stderr, apart, apart_stderr))
+                    rows.append((*place, *figures))
+    names = ("parameter", "value", "theta_i_rad", "order", "side", "energy", "stderr")
+    return from_rows((*names, "difference", "difference_stderr"), rows)
 
 
 def _mean(samples: Array) -> tuple[Array, Array]:

@@ -11,6 +11,12 @@ Table = Mapping[str, Sequence[Any]]
 """Columns by name, all of one length."""
 
 
+def from_rows(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
+    """Columns by name from rows, which may be none."""
+    columns = list(zip(*rows, strict=True)) or [()] * len(names)
+    return {name: list(column) for name, column in zip(names, columns, strict=True)}
+
+
 def columns(rows: Iterable[Any], names: Iterable[str]) -> Table:
     """Attributes of rows as columns; where a row has not a number, it does not apply: no text."""
     picked = {name: [getattr(row, name) for row in rows] for name in names}

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from msbsdf_cli.results import npz
+from msbsdf_cli.results.files import Table, from_rows
 from msbsdf_cli.results.lobes import Lobes, lobes_of, order_names
-from msbsdf_cli.statistics.tally import Estimate, Tally
+from msbsdf_cli.statistics.tally import SIDES, Estimate, Tally
 from surfaces.facet import Array
 
 FORMAT = "result of msbsdf 1"
@@ -104,17 +105,14 @@ class Result:
         about = {name: getattr(self, name) for name in ("kind", "settings", "seeds", "facets")}
         npz.write(path, FORMAT, about, {"sums": self.sums, "rays": self.rays})
 
-    def to_columns(self) -> dict[str, list[Any]]:
+    def to_columns(self) -> Table:
         """Energies as columns of order, side, energy and standard error, for tables elsewhere."""
         rows = [
             (order, side, float(self.energy[k, s]), float(self.energy_stderr[k, s]))
             for k, order in enumerate(order_names(self.orders))
-            for s, side in enumerate(("reflected", "transmitted"))
+            for s, side in enumerate(SIDES)
         ]
-        header = ("order", "side", "energy", "stderr")
-        return {
-            name: list(column) for name, column in zip(header, zip(*rows, strict=True), strict=True)
-        }
+        return from_rows(("order", "side", "energy", "stderr"), rows)
 
 
 def load(path: str | Path) -> Result:

@@ -1,12 +1,12 @@
 """The tables of a run, as columns."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.results.files import Table
+from msbsdf_cli.results.files import Table, from_rows
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.run import Run
 from msbsdf_cli.statistics.binning import PHI_BINS, lobe_axes
@@ -14,12 +14,6 @@ from msbsdf_cli.statistics.tally import MOMENTS, SIDES, sequence_names
 from surfaces.facet import Array
 
 PLACE = ("theta_i_rad", "phi_i_rad", "order", "side")
-
-
-def from_rows(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
-    """Columns by name from rows, which may be none."""
-    columns = list(zip(*rows, strict=True)) or [()] * len(names)
-    return {name: list(column) for name, column in zip(names, columns, strict=True)}
 
 
 def _places(lobes: Lobes) -> Iterator[tuple[tuple[int, int, int], tuple[Any, ...]]]:

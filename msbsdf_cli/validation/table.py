@@ -5,7 +5,7 @@ from statistics import median
 from typing import Any
 
 from msbsdf_cli.cli.terminal import measured
-from msbsdf_cli.results.files import Table
+from msbsdf_cli.results.files import Table, from_rows
 from msbsdf_cli.statistics.multiple_testing import (
     AGREEMENT,
     FAILS,
@@ -59,15 +59,13 @@ def _entry(row: Judged) -> dict[str, Any]:
 
 def differences(rows: list[Judged]) -> Table:
     """reciprocity.csv: differences behind the histogram of [WJFYHY22 supp.] figure 16."""
-    table: dict[str, list[Any]] = {"method": [], "slopes": [], "pair": [], "difference": []}
-    for row in rows:
-        c = row.finding.configuration
-        for pair, value in enumerate(row.finding.detail):
-            for column, entry in zip(
-                table.values(), (c.method, c.slopes.name, pair, value), strict=True
-            ):
-                column.append(entry)
-    return table
+    where = ((row.finding.configuration, row.finding.detail) for row in rows)
+    entries = (
+        (c.method, c.slopes.name, pair, value)
+        for c, detail in where
+        for pair, value in enumerate(detail)
+    )
+    return from_rows(("method", "slopes", "pair", "difference"), entries)
 
 
 def counts(rows: list[Judged]) -> dict[str, int]:

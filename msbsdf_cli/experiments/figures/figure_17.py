@@ -17,7 +17,7 @@ from msbsdf_cli.experiments.tradeoff.roughness import ALPHAS
 from msbsdf_cli.methods.position_free import PositionFreeCorrelated
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.results.files import Table
+from msbsdf_cli.results.files import Table, from_rows
 from msbsdf_cli.scene import Scene, direction
 from msbsdf_cli.statistics.repetitions import inner_products
 from surfaces.facet import Array
@@ -134,7 +134,7 @@ def figure_17(scene: Scene, seed: int) -> Table:
                 error = n * one.seconds, one.variance / n, one.stderr / n
                 gains = (gain, gain * spread) if known else (np.nan, np.nan)
                 rows.append((name, *there.alpha, n, *map(float, (*error, *gains))))
-    return dict(zip(FIGURE_17, zip(*rows, strict=True), strict=True))
+    return from_rows(FIGURE_17, rows)
 
 
 def _of_roughness(scene: Scene, alpha: float) -> Scene:
