@@ -14,7 +14,9 @@ from surfaces.materials import Material, material
 
 RAYS_PER_S = 1e6
 TRIANGLES_PER_S = 1e6
-"""Rough rates of one core, for telling beforehand what takes long."""
+EVALUATIONS_PER_S = 2e7
+"""Rough rates of one core, for telling beforehand what takes long; evaluations are walks times
+directions."""
 
 LONG_S = 60
 """Seconds, by rough estimates, from which a run is called long beforehand."""

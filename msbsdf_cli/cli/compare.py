@@ -138,37 +138,36 @@ def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report:
     from msbsdf_cli.cli import common, simulate, walk
 
     simulate.refuse_mesh(options)
-    warnings, work_s, resolution, work = [], 0.0, None, []
+    warnings, efforts, resolution = [], [], None
     if "simulate" not in handed:
         resolution = simulate.resolve(scene, options)
         warnings += simulate.surface_warnings(options)
-        work_s += simulate.work_s(scene, options)
-        work.append(simulate.work(options))
+        efforts.append(simulate.effort(scene, options))
     if options["method"] is not None:
         if "walk" in handed:
             raise click.UsageError("--method replaces the walk; leave out its report, or --method.")
         options["method"] = common.methods_for(scene, options["method"])
         warnings += common.method_warnings([scene], options["method"])
-        work_s += method_work_s(scene, options)
-        work.append(f"{len(options['method'])} methods in all bins")
+        efforts.append(effort_of_methods(scene, options))
     elif "walk" not in handed:
         warnings += common.facet_warnings(scene)
-        work_s += walk.work_s(scene, options)
-        work.append(walk.work(scene, options))
-    warnings += common.long_warnings(options, work_s, " and ".join(work))
+        efforts.append(walk.effort(scene, options))
+    work = " and ".join(words for _, words in efforts)
+    warnings += common.long_warnings(options, sum(seconds for seconds, _ in efforts), work)
     report.warn(warnings + common.scene_warnings(options))
     return resolution
 
 
-def method_work_s(scene: Any, options: dict[str, Any]) -> float:
+def effort_of_methods(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
     """About how many seconds one core needs for lobes of methods in the bins of a simulation."""
-    from msbsdf_cli.cli.common import pilot
-    from msbsdf_cli.cli.evaluate import EVALUATIONS_PER_S
+    from msbsdf_cli.cli.common import EVALUATIONS_PER_S, pilot
     from msbsdf_cli.experiments.method_lobes import SAMPLES_OF_RAYS, bins, places
 
     directions = bins(scene.material.transmits, places(scene))[0].shape[1]
-    walks = options["samples"] * SAMPLES_OF_RAYS * len(scene.theta) * len(options["method"])
-    return float(walks * directions * max(pilot(scene)[1], 1) / EVALUATIONS_PER_S)
+    methods = len(options["method"])
+    walks = options["samples"] * SAMPLES_OF_RAYS * len(scene.theta) * methods
+    seconds = walks * directions * max(pilot(scene)[1], 1) / EVALUATIONS_PER_S
+    return seconds, f"{methods} methods in all bins"
 
 
 def simulated_run(

@@ -28,7 +28,7 @@ def command(**options: Any) -> None:
     report = Report("evaluate", scene.slug(), options)
     walks = options["samples"] * len(options["theta"]) * len(methods)
     facets = common.pilot(scene)[1]
-    work_s = walks * options["points"] * max(facets, 1) / EVALUATIONS_PER_S
+    work_s = walks * options["points"] * max(facets, 1) / common.EVALUATIONS_PER_S
     walking = (
         f"{walks:.2g} walks of {facets:.2g} facets in the mean to {options['points']} directions"
     )
@@ -84,10 +84,6 @@ def hardly_known(values: list[Any]) -> list[str]:
         for theta, error in errors
         if error > VALUE_KNOWN
     ]
-
-
-EVALUATIONS_PER_S = 2e7
-"""Rough rate of one core in walks times directions, for telling beforehand what takes long."""
 
 
 def show(values: list[Any]) -> None:

@@ -39,7 +39,7 @@ def command(**options: Any) -> None:
     refuse_mesh(options)
     resolution = resolve(scene, options)
     report.warn(common.scene_warnings(options) + surface_warnings(options))
-    report.warn(common.long_warnings(options, work_s(scene, options), work(options)))
+    report.warn(common.long_warnings(options, *effort(scene, options)))
     with report.draft() as draft:
         result = run(scene, resolution, free_paths, options)
         lobes, pictures = write_run(report, draft, result)
@@ -96,20 +96,14 @@ def refuse_mesh(options: dict[str, Any]) -> None:
         raise click.BadParameter(f"{path}: there is no such directory.", param_hint="--mesh")
 
 
-def work_s(scene: Any, options: dict[str, Any]) -> float:
-    """About how many seconds one core will need."""
+def effort(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
+    """About how many seconds one core will need, and for what."""
     from msbsdf_cli.cli.common import RAYS_PER_S, TRIANGLES_PER_S, pilot
 
-    triangles = 2 * (options["extent"] * options["cells"]) ** 2 * options["realisations"]
-    facets = options["samples"] * len(options["theta"]) * pilot(scene)[1]
-    return float(triangles / TRIANGLES_PER_S + facets / RAYS_PER_S)
-
-
-def work(options: dict[str, Any]) -> str:
-    """What that time is for."""
-    side = options["extent"] * options["cells"]
+    side, surfaces = options["extent"] * options["cells"], options["realisations"]
     rays = options["samples"] * len(options["theta"])
-    return f"{options['realisations']} surfaces of {side} by {side} cells and {rays:.2g} rays"
+    seconds = 2 * side**2 * surfaces / TRIANGLES_PER_S + rays * pilot(scene)[1] / RAYS_PER_S
+    return seconds, f"{surfaces} surfaces of {side} by {side} cells and {rays:.2g} rays"
 
 
 def surface_warnings(options: dict[str, Any]) -> list[str]:

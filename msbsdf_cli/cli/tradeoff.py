@@ -153,9 +153,6 @@ def in_words(result: Any) -> dict[str, Any]:
     return {"reference": reference, "summary": "\n".join(said)}
 
 
-EVALUATIONS_PER_S = 2e7
-"""Rough rate of one core in walks times directions, for telling beforehand what takes long."""
-
 FIRST_ORDER_S = 1.5e-4
 """Of one direction of diffuse facets, whose first bounce is a quadrature in every evaluation."""
 
@@ -178,6 +175,7 @@ LEAST_REPLICATES, MOST_REPLICATES, CHART_S = 6, 16, 25
 
 def work_s(options: dict[str, Any]) -> float:
     """About how many seconds of one core this takes; timing runs on one, so all count."""
+    from msbsdf_cli.cli.common import EVALUATIONS_PER_S
     from surfaces.materials import material
 
     runs = len(options["theta"]) * options["replicates"]

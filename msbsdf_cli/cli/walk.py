@@ -25,7 +25,7 @@ def command(**options: Any) -> None:
     free_paths = common.free_paths_from(options, options["heights"])
     report = Report("walk", scene.slug(), options)
     report.warn(common.scene_warnings(options) + common.facet_warnings(scene))
-    report.warn(common.long_warnings(options, work_s(scene, options), work(scene, options)))
+    report.warn(common.long_warnings(options, *effort(scene, options)))
     with report.draft() as draft:
         result = run(scene, free_paths, options)
         lobes, pictures = write_run(report, draft, result)
@@ -33,19 +33,13 @@ def command(**options: Any) -> None:
     report.end(lambda: show_run(lobes, result, "walks"))
 
 
-def work_s(scene: Any, options: dict[str, Any]) -> float:
-    """About how many seconds one core will need."""
+def effort(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
+    """About how many seconds one core will need, and for what."""
     from msbsdf_cli.cli.common import pilot
 
-    return float(options["samples"] * pilot(scene)[0])
-
-
-def work(scene: Any, options: dict[str, Any]) -> str:
-    """What that time is for."""
-    from msbsdf_cli.cli.common import pilot
-
+    seconds, facets = pilot(scene)
     walks = options["samples"] * len(scene.theta)
-    return f"{walks:.2g} walks of {pilot(scene)[1]:.2g} facets in the mean"
+    return options["samples"] * seconds, f"{walks:.2g} walks of {facets:.2g} facets in the mean"
 
 
 def run(scene: Any, free_paths: Any, options: dict[str, Any]) -> Any:

@@ -55,22 +55,26 @@ def parting(a: Array, b: Array, modes: int) -> Array:
 
 
 @dataclass(frozen=True)
-class MirrorModes(Discretisation):
-    """Facets that reflect: light goes down, then up."""
+class Modes(Discretisation):
+    """Elevations, and Fourier modes of the azimuth."""
 
     slopes: Slopes
     material: Material
     elevations: Elevations
     modes: int
 
+    def distinct(self, d: Array) -> tuple[Array, Array]:
+        return distinct_elevations(d)
+
+
+class MirrorModes(Modes):
+    """Facets that reflect: light goes down, then up."""
+
     def kernel(self) -> Kernel:
         """Scattering between the nodes."""
         nodes = self.elevations.nodes
         rows = self.rows(upward(nodes))
         return Kernel(nodes.cos, rows.sigma, nodes.weight, rows.down, rows.across, None)
-
-    def distinct(self, d: Array) -> tuple[Array, Array]:
-        return distinct_elevations(d)
 
     def parting(self, a: Array, b: Array) -> Array:
         return self._numbers[1].T @ parting(a, b, self.modes)
@@ -129,18 +133,12 @@ class MirrorModes(Discretisation):
         return modes
 
 
-@dataclass(frozen=True)
-class DiffuseModes(Discretisation):
+class DiffuseModes(Modes):
     """Lambertian facets: light may turn down again.
 
     A mode of q is an integral over the facets' inclination alone, of a product of the modes of
     <-d, m> and <w, m> in the azimuth of m, and these are elementary.
     """
-
-    slopes: Slopes
-    material: Material
-    elevations: Elevations
-    modes: int
 
     def kernel(self) -> Kernel:
         """Scattering between the nodes."""
@@ -149,9 +147,6 @@ class DiffuseModes(Discretisation):
         scale = self._balance.behind * nodes.weight
         turn = self._albedo(self._behind * scale * scale[:, None])
         return Kernel(nodes.cos, rows.sigma, nodes.weight, rows.down, rows.across, turn)
-
-    def distinct(self, d: Array) -> tuple[Array, Array]:
-        return distinct_elevations(d)
 
     def parting(self, a: Array, b: Array) -> Array:
         return parting(a, b, self.modes)
