@@ -87,19 +87,38 @@ def _stop_cleanly() -> None:
         defaults = signal.SIG_DFL, signal.default_int_handler
         if number is not None and signal.getsignal(number) in defaults:
             signal.signal(number, _stop)
+    if sys.unraisablehook is sys.__unraisablehook__:
+        sys.unraisablehook = _heed
+
+
+def _heed(lost: "sys.UnraisableHookArgs") -> None:
+    """Give a signal again whose exception was lost, as one is that comes while a process forks."""
+    error = lost.exc_value
+    code = 128 + signal.SIGINT if isinstance(error, KeyboardInterrupt) else 0
+    if isinstance(error, SystemExit) and isinstance(error.code, int):
+        code = error.code
+    if code > 128:
+        _give_again(code - 128)
+    else:
+        sys.__unraisablehook__(lost)
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
     if _importing(frame):
         # Libraries swallow what is raised while they are imported.
-        again = threading.Timer(0.05, signal.raise_signal, (number,))
-        again.daemon = True
-        again.start()
+        _give_again(number)
         return
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     click.echo(f"Error: stopped by {signal.Signals(number).name}; no report is written.", err=True)
     sys.exit(128 + number)
+
+
+def _give_again(number: int) -> None:
+    """Raise a signal once more, a little later."""
+    again = threading.Timer(0.05, signal.raise_signal, (number,))
+    again.daemon = True
+    again.start()
 
 
 def _importing(frame: FrameType | None) -> bool:

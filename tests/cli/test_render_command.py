@@ -11,9 +11,8 @@ TINY = ["--width", "12", "--samples", "2", "--threads", "1"]
 
 def test_a_report_has_pictures_tables_and_linear_data(tmp_path):
     out = tmp_path / "plate"
-    result = msbsdf(
-        "render", *TINY, "--method", "single,walk", "--out", out, "--json", pictures=True
-    )
+    words = [*TINY, "--method", "single,walk", "--out", out, "--json"]
+    result = msbsdf("render", *words, pictures=True)
     assert result.returncode == 0, result.stderr
     names = {"render.png", "render.csv", "run.json"}
     arrays = {f"{m}{s}.npy" for m in ("single", "walk") for s in ("", "_stderr")}

@@ -13,12 +13,17 @@ from command_line import RUN, msbsdf
 
 from msbsdf_cli.results.seal import unsealed
 
+ON_FORK = """
+import os, signal
+left = [{}]
+os.register_at_fork(after_in_parent=lambda: left and signal.raise_signal(left.pop()))
+"""
 LONG = ["walk", "--samples", "1e11", "--quiet"]
 
 
-def start(*words):
+def start(*words, before=""):
     """A run in a process of its own; its standard error is a pipe that its workers hold too."""
-    command = [sys.executable, "-c", RUN, *map(str, words)]
+    command = [sys.executable, "-c", before + RUN, *map(str, words)]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts)
 
 
@@ -75,6 +80,21 @@ def test_a_killed_run_leaves_nothing(name, threads, tmp_path):
     assert again.returncode == 0, again.stderr
     unsealed(tmp_path / "r")
     assert sorted(os.listdir(tmp_path)) == ["notes.txt", "r"]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="nothing forks here")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_that_comes_during_a_fork_is_heeded(name, tmp_path):
+    """Python loses what is raised there."""
+    number = int(getattr(signal, name))
+    process = start(*LONG, "--threads", 2, "--out", tmp_path / "r", before=ON_FORK.format(number))
+    try:
+        _, said = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == (1 if name == "SIGINT" else 128 + number)
+    assert "Traceback" not in said
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_runs_at_once_into_one_place_are_all_kept(tmp_path):
