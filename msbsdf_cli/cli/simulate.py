@@ -10,7 +10,7 @@ import click
 
 from msbsdf_cli.cli.options import FREE_PATH, MODEL_OF_SURFACES, REPORT, RESOLUTION, samples, use
 
-BYTES_PER_CELL = 500
+BYTES_PER_CELL = 600
 """Of a surface, its mesh and Embree's scene of it."""
 
 CELLS_OF_PICTURE = 32
