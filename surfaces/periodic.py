@@ -39,7 +39,8 @@ def next_triangle(surface: Surface, o: Array, d: Array, inside: Array | None) ->
             over_u = to_rim[0] <= to_rim[1]
             for axis, over in ((0, over_u), (1, ~over_u)):
                 np.copyto(start[axis], surface.period - rim[axis], where=over)
-            o[:, seeking] = start
+            for whole, some in zip(o, start, strict=True):
+                whole[seeking] = some
             found = surface.query(start, along)
             triangle[seeking] = found
             seeking = seeking.compress(found < 0)

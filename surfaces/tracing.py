@@ -18,7 +18,7 @@ from surfaces.stretch import Stretch
 from surfaces.surface import Surface
 from surfaces.views import VIEWS, Views, each, upside_down
 
-BLOCK = 16384
+BLOCK = 32768
 """Rays handled together."""
 
 
