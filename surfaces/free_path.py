@@ -36,7 +36,7 @@ class Level:
 
     def __init__(self, surface: Surface, height: float) -> None:
         self.surface, self.height = surface, height
-        corners, planes = surface.period_triangles
+        corners, planes = surface.crossing(height)
         z = corners[:, 2]
         crossing = np.flatnonzero((z.min(axis=0) < height) & (height < z.max(axis=0)))
         self.ends = _segment(corners[..., crossing], height)

@@ -96,18 +96,36 @@ class Surface:
         ]
         return np.ascontiguousarray(cells[::every, ::every, 0, 1:].reshape(-1, 2).T)
 
-    @cached_property
-    def period_triangles(self) -> tuple[Array, Array]:
-        """Corners (corner, xyz, triangles) and planes (3, triangles) of one period's triangles."""
-        rows = len(self._grid) - 1
-        i, j = np.divmod(np.arange(rows * rows), rows)
-        within = (np.minimum(i, j) >= MARGIN) & (np.maximum(i, j) < rows - MARGIN)
-        chosen = np.repeat(within, 2)
-        vertex = faces(rows + 1)[chosen]
-        u, v = np.divmod(vertex, rows + 1)
+    def triangles(self, chosen: Array) -> tuple[Array, Array]:
+        """Corners (corner, xyz, n) and planes (3, n) of the triangles of these numbers (n,)."""
+        rows = len(self._grid)
+        vertex = corner_vertices(chosen, rows)
+        u, v = np.divmod(vertex, rows)
         corners = np.stack([u - MARGIN, v - MARGIN, self._grid.ravel()[vertex]])
         planes = self.planes[chosen].T
         return np.ascontiguousarray(corners.transpose(2, 0, 1)), np.ascontiguousarray(planes)
+
+    def _within_period(self, cells: Array) -> Array:
+        """Numbers of the triangles in the cells (period, period) of one period that are True."""
+        padded = np.pad(cells, MARGIN)
+        return (2 * np.flatnonzero(padded)[:, None] + [0, 1]).ravel()
+
+    @property
+    def period_triangles(self) -> tuple[Array, Array]:
+        """Corners (corner, xyz, triangles) and planes (3, triangles) of one period's triangles."""
+        return self.triangles(self._within_period(np.ones((self.period, self.period), bool)))
+
+    def crossing(self, height: float) -> tuple[Array, Array]:
+        """The same of the triangles of a period in those of its cells that cross a height."""
+        lowest, highest = self._cell_range
+        return self.triangles(self._within_period((lowest < height) & (height < highest)))
+
+    @cached_property
+    def _cell_range(self) -> tuple[Array, Array]:
+        """Lowest and highest corner of each cell of a period, (period, period)."""
+        h = self._grid[MARGIN : self.period + MARGIN + 1, MARGIN : self.period + MARGIN + 1]
+        low, high = np.minimum(h[1:], h[:-1]), np.maximum(h[1:], h[:-1])
+        return np.minimum(low[:, 1:], low[:, :-1]), np.maximum(high[:, 1:], high[:, :-1])
 
     @cached_property
     def lift(self) -> float:
@@ -178,19 +196,24 @@ def shortened(cells: int) -> float:
     return float(cells * np.sqrt(delta2 / -np.expm1(-delta2)))
 
 
-def faces(rows: int) -> Array:
-    """Vertex numbers (2 (rows - 1)^2, 3) of the triangles of a square grid of `rows` points.
+def corner_vertices(triangles: Array, rows: int) -> Array:
+    """Vertex numbers (n, 3) of the triangles of these numbers (n,), on a square grid of `rows`
+    points.
 
     The diagonals alternate like the fields of a chessboard, since a diagonal that always ran the
     same way would make slopes along x and y correlate.
     """
-    i, j = np.divmod(np.arange((rows - 1) ** 2, dtype=np.int32), np.int32(rows - 1))
-    corner = i * rows + j
-    odd = (i + j) & 1
-    found = np.empty((corner.size, 2, 3), np.int32)
-    found[:, 0] = np.stack([corner, corner + rows, corner + rows + 1 - rows * odd], 1)
-    found[:, 1] = np.stack([corner + rows * odd, corner + rows + 1, corner + 1], 1)
-    return found.reshape(-1, 3)
+    cell, second = np.divmod(triangles, 2)
+    i, j = np.divmod(cell, rows - 1)
+    corner, odd = i * rows + j, (i + j) & 1
+    first = corner + rows * (second & odd)
+    last = corner + 1 + rows * (1 - (second | odd))
+    return np.stack([first, corner + rows + second, last], 1)
+
+
+def faces(rows: int) -> Array:
+    """Vertex numbers (2 (rows - 1)^2, 3) of the triangles of a square grid of `rows` points."""
+    return corner_vertices(np.arange(2 * (rows - 1) ** 2), rows).astype(np.int32)
 
 
 @lru_cache(maxsize=3)
