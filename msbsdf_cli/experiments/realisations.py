@@ -82,6 +82,8 @@ class SurfaceResult:
     surface_s: float
     """Seconds for making the surface and its Embree scene."""
     trace_s: float
+    coarser_s: float
+    """Seconds for coarser meshes and tracing on them."""
     free_paths_lost: int
 
 
@@ -198,11 +200,11 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
         SurfaceLight(unit, controls(surface, tracer.views, scene.wi(theta)) - known)
         for (_, unit), theta, known in zip(units, scene.theta, job.expected, strict=True)
     ]
+    coarser = time.perf_counter()
     if job.on_all_meshes:
         _add_coarser(job, light, [unit for unit, _ in units])
-    return SurfaceResult(
-        light, shares, weights, n, rays, embree_s, ready - started, traced - ready, lost
-    )
+    seconds = ready - started, traced - ready, time.perf_counter() - coarser
+    return SurfaceResult(light, shares, weights, n, rays, embree_s, *seconds, lost)
 
 
 def _tracer(scene: Scene, surface: Surface) -> Tracer:

@@ -14,14 +14,14 @@ from msbsdf_cli.experiments.tradeoff.rows import Row
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.plots.style import save
 
-SIMULATED = "#000000", "p"
-"""Colour and marker of the explicit surfaces."""
+SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
+"""Colours and markers of what is traced on explicit surfaces."""
 
 
 def look(method: str) -> tuple[str, str]:
     """Colour and marker of a method, or of `simulate`, the same on every chart."""
     if method not in METHODS:
-        return SIMULATED
+        return SIMULATED[0].get(method, SIMULATED[1])
     traits = METHODS[method].traits
     return traits.colour, traits.marker
 
@@ -30,7 +30,12 @@ LEAST_ERROR = 1e-5
 """Errors below are drawn at the lower edge: they do not matter, and the others need the room."""
 
 
-def draw_tradeoff(rows: list[Row], floors: list[Floor], path: Path) -> None:
+def draw_tradeoff(
+    rows: list[Row],
+    floors: list[Floor],
+    path: Path,
+    quantity: str = "BSDF x cos(theta_o)",
+) -> None:
     """A large panel over all angles and a small one for each, times of both axes with set-up."""
     angles = list(dict.fromkeys(r.theta_i_rad for r in rows))
     columns = max(1, -(-len(angles) // 2))
@@ -44,7 +49,7 @@ def draw_tradeoff(rows: list[Row], floors: list[Floor], path: Path) -> None:
     together = over_angles(rows, len(angles))
     _draw_panel(axis, together, _floors_over_angles(floors), large=True)
     axis.set_title(f"all {len(angles)} angles: root mean square error, sum of times")
-    axis.set_ylabel("relative RMSE of BSDF x cos(theta_o)")
+    axis.set_ylabel(f"relative RMSE of {quantity}")
     for i, theta in enumerate(angles):
         panel = figure.add_subplot(small[i % 2, i // 2])
         mine = [as_point(r) for r in rows if r.theta_i_rad == theta]
