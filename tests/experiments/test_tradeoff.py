@@ -267,7 +267,7 @@ def test_walks_stand_in_where_solving_does_much_worse(monkeypatch):
     scene = Scene(Conductor(), Beckmann(1.0, 0.3), (0.5,), 0.0)
     found = reference(scene, [lobe_directions(scene, 0.5, 24, 0)], ("walk", "solve"), 4096, 0)
     assert found.method == "walk-low-variance"
-    assert tried == [module.RESOLUTIONS[0]]
+    assert tried == [module.TRIAL]
 
 
 def test_merged_bins_keep_energy_and_centre():
