@@ -31,8 +31,8 @@ class Known:
     energy: Array
     """(orders + 1, sides)."""
     one: Array
-    """Squared noise and squared bias (2,), summed over energies, of the mean on one mesh; the bias
-    is that of the mesh, as three tell it."""
+    """Squared noise and squared bias (2,), summed over energies, of the mean on one mesh; its bias
+    is the step from there to what three meshes say, and what is in doubt of that."""
     three: Array
     """The same with controls and extrapolation; the bias is what is in doubt of mesh and period."""
 
@@ -50,6 +50,6 @@ def known(tally: SurfaceTally) -> Known:
     return Known(
         tally.units,
         energies(value),
-        np.array([energies(Tally.figures(tally)[1]).sum(), mesh]),
+        np.array([energies(Tally.figures(tally)[1]).sum(), mesh + systematic]),
         np.array([energies(squares).sum() - systematic, systematic]),
     )
