@@ -23,7 +23,8 @@ class Batch:
 
     def compress(self, keep: Array) -> Self:
         """The paths for which `keep` (n,) of bool holds."""
-        return self.each(lambda a: a.compress(keep, axis=-1))
+        kept = np.flatnonzero(keep)
+        return self.each(lambda a: a.take(kept, axis=-1))
 
     def blocks(self, length: int) -> Iterator[Self]:
         """Runs of at most `length` paths."""

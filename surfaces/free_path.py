@@ -12,10 +12,9 @@ import numpy as np
 
 from surfaces.facet import Array
 from surfaces.periodic import ESCAPED, meet, next_triangle
-from surfaces.stretch import Stretch
 from surfaces.surface import Surface
 from surfaces.tracing import BLOCK, morton
-from surfaces.views import SIDE, VIEWS, to_mesh, upside_down
+from surfaces.views import SIDE, Views, upside_down
 
 
 class FreePaths(NamedTuple):
@@ -37,7 +36,7 @@ class Level:
 
     def __init__(self, surface: Surface, height: float) -> None:
         self.surface, self.height = surface, height
-        corners, planes = surface.period_triangles
+        corners, planes = surface.crossing(height)
         z = corners[:, 2]
         crossing = np.flatnonzero((z.min(axis=0) < height) & (height < z.max(axis=0)))
         self.ends = _segment(corners[..., crossing], height)
@@ -65,30 +64,31 @@ class Level:
 
 @dataclass
 class FreePathTracer:
-    """Free paths on `surface` in the world that `stretch` takes to its grid; by the first `views`
-    of the surfaces that the mesh is."""
+    """Free paths on the surfaces that `views` makes of the mesh of `surface`."""
 
     surface: Surface
-    stretch: Stretch
-    views: int = VIEWS
+    views: Views
     levels: dict[float, Level] = field(default_factory=dict)
 
     def next_heights(self, d: Array, start: float, n: int, rng: np.random.Generator) -> FreePaths:
         """Heights of the facets that about `n` rays in direction `d` (3,) meet next, from the
         height `start`, infinite for rays that arrive from outside."""
-        each = -(-n // self.views)
-        along = self.stretch.to_grid(d[:, None])
-        parts = [self._departures(along, start, view, each, rng) for view in range(self.views)]
+        directions = (self.views.to_mesh @ d).T
+        each = -(-n // directions.shape[1])
+        parts = [
+            self._departures(along, start, float(side), each, rng)
+            for along, side in zip(directions.T, SIDE, strict=False)
+        ]
         measure = np.array([part[1] for part in parts])
         size = np.array([part[0].shape[1] for part in parts])
-        view = np.repeat(np.arange(self.views), size)
+        view = np.repeat(np.arange(size.size), size)
         share = (measure / np.maximum(size, 1) / (measure.sum() or 1))[view]
         origins = np.concatenate([part[0] for part in parts], axis=1)
         heights, met, escaped, lost = [np.zeros(0)], [np.zeros(0)], 0.0, 0
         for first in range(0, view.size, BLOCK):
             block = slice(first, first + BLOCK)
             o, lower = origins[:, block].copy(), upside_down(view[block])
-            travel = to_mesh(np.broadcast_to(along, o.shape), view[block])
+            travel = directions.take(view[block], axis=1)
             triangle = next_triangle(self.surface, o, travel, lower)
             hit = np.flatnonzero(triangle >= 0)
             o, travel = o.take(hit, axis=1), travel.take(hit, axis=1)
@@ -102,10 +102,10 @@ class FreePathTracer:
         return FreePaths(*found, escaped, lost, float(measure.mean()))
 
     def _departures(
-        self, along: Array, start: float, view: int, n: int, rng: np.random.Generator
+        self, along: Array, start: float, side: float, n: int, rng: np.random.Generator
     ) -> tuple[Array, float]:
-        """Origins (3, n) of the mesh for one view, and their measure."""
-        side = float(SIDE[view])
+        """Origins (3, n) of the mesh for one view, whose upper side is the mesh's upper (`side` 1)
+        or lower one (-1), in the direction `along` (3,), and their measure."""
         if np.isinf(start):
             origins = np.empty((3, n))
             origins[:2] = morton((np.arange(n) + rng.random(n)) / n) * self.surface.period
@@ -114,8 +114,7 @@ class FreePathTracer:
         height = side * start
         if height not in self.levels:
             self.levels[height] = Level(self.surface, height)
-        travel = to_mesh(along, np.full(1, view))[:, 0]
-        return self.levels[height].points(travel, n, rng, side)
+        return self.levels[height].points(along, n, rng, side)
 
 
 def _segment(corners: Array, height: float) -> tuple[Array, Array]:

@@ -7,6 +7,8 @@ from surfaces.surface import Surface
 
 ESCAPED = -1
 LOST = -2
+AWAY = np.array([LOST, ESCAPED], np.int32)
+"""What rays are that have left towards the other side of the surface, and towards the sky."""
 
 MAX_PERIODS = 10_000
 """Periods a ray may cross between two facets. Only rays within about 1e-5 of the horizontal cross
@@ -24,42 +26,41 @@ def next_triangle(surface: Surface, o: Array, d: Array, inside: Array | None) ->
     for _ in range(MAX_PERIODS):
         if seeking.size == 0:
             return triangle
-        across, away = _cross(surface, o.take(seeking, axis=1), d.take(seeking, axis=1))
-        side = away if inside is None else np.where(inside[seeking], -away, away)
-        triangle[seeking] = np.where(side > 0, ESCAPED, LOST)
-        on = np.flatnonzero(away == 0)
-        seeking, across = seeking.take(on), across.take(on, axis=1)
+        start, along = o.take(seeking, axis=1), d.take(seeking, axis=1)
+        rim, to_rim, height = _rim(surface, start, along)
+        above, under = height >= surface.top, height < surface.bottom
+        sky = above if inside is None else above ^ inside.take(seeking)
+        triangle[seeking] = AWAY.take(sky)
+        on = np.flatnonzero(~(above | under))
+        seeking = seeking.take(on)
         if seeking.size:
-            o[:, seeking] = across
-            found = surface.query(across, d.take(seeking, axis=1))
+            start, along, rim, to_rim = (a.take(on, axis=1) for a in (start, along, rim, to_rim))
+            start += to_rim.min(axis=0) * along
+            over_u = to_rim[0] <= to_rim[1]
+            for axis, over in ((0, over_u), (1, ~over_u)):
+                np.copyto(start[axis], surface.period - rim[axis], where=over)
+            for whole, some in zip(o, start, strict=True):
+                whole[seeking] = some
+            found = surface.query(start, along)
             triangle[seeking] = found
-            seeking = seeking[found < 0]
+            seeking = seeking.compress(found < 0)
     triangle[seeking] = LOST
     return triangle
 
 
-def _cross(surface: Surface, o: Array, d: Array) -> tuple[Array, Array]:
-    """Origins where rays that met nothing enter the next period, and who has gone away before:
-    +1 over the highest point, -1 under the lowest, 0 who has not.
+def _rim(surface: Surface, o: Array, d: Array) -> tuple[Array, Array, Array]:
+    """Where rays that met nothing leave the period: its sides that they head for, along u and v
+    (2, n), how far these are (2, n), and the height (n,) at which the nearer is reached.
 
     The mesh reaches a margin beyond the period, so the way to the period's rim, and a little of
-    what follows, has been searched.
+    what follows, has been searched. A ray straight up or down reaches no side, at an infinite
+    height.
     """
-    period = surface.period
+    rim = float(surface.period) * (d[:2] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        to_rim = np.where(d[:2] > 0, period - o[:2], -o[:2]) / d[:2]
+        to_rim = (rim - o[:2]) / d[:2]
     to_rim[d[:2] == 0] = np.inf
-    axis = np.argmin(to_rim, axis=0)
-    lanes = np.arange(o.shape[1])
-    distance = to_rim[axis, lanes]
-    with np.errstate(invalid="ignore"):
-        across = o + distance * d
-    away = (across[2] >= surface.top).astype(np.int8) - (across[2] < surface.bottom)
-    # A ray straight up or down never comes to the rim.
-    vertical = np.isinf(distance)
-    away[vertical] = np.sign(d[2, vertical])
-    across[axis, lanes] = np.where(d[axis, lanes] > 0, 0, period)
-    return across, away
+    return rim, to_rim, o[2] + np.minimum(to_rim[0], to_rim[1]) * d[2]
 
 
 def meet(surface: Surface, o: Array, d: Array, triangle: Array) -> tuple[Array, Array, Array]:

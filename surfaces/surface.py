@@ -72,20 +72,21 @@ class Surface:
     def planes(self) -> Array:
         """Planes (triangles, 3) of the triangles: z = plane[0] + plane[1] u + plane[2] v."""
         h = self._grid
-        along_u, along_v = np.diff(h, axis=0), np.diff(h, axis=1)
         rows = len(h) - 1
-        i, j = np.meshgrid(np.arange(rows), np.arange(rows), indexing="ij")
-        odd = ((i + j) & 1).astype(bool)
-        planes = np.empty((rows, rows, 2, 3))
-        planes[:, :, 0, 1], planes[:, :, 1, 1] = along_u[:, :-1], along_u[:, 1:]
+        along_u, along_v = np.diff(h, axis=0), np.diff(h, axis=1)
         left, right = along_v[:-1], along_v[1:]
-        planes[:, :, 0, 2] = np.where(odd, left, right)
-        planes[:, :, 1, 2] = np.where(odd, right, left)
+        # One array for each number of a plane first: what lies together is written fast.
+        offset, slope_u, slope_v = parts = np.empty((3, 2, rows, rows))
+        slope_u[0], slope_u[1] = along_u[:, :-1], along_u[:, 1:]
+        slope_v[0], slope_v[1] = right, left
+        for odd in (np.s_[::2, 1::2], np.s_[1::2, ::2]):
+            slope_v[0][odd], slope_v[1][odd] = left[odd], right[odd]
         # Each triangle has the corner (1, 0) or (0, 1) of its cell: the first and the second.
-        u, v = i - MARGIN, j - MARGIN
-        planes[:, :, 0, 0] = h[1:, :-1] - planes[:, :, 0, 1] * (u + 1) - planes[:, :, 0, 2] * v
-        planes[:, :, 1, 0] = h[:-1, 1:] - planes[:, :, 1, 1] * u - planes[:, :, 1, 2] * (v + 1)
-        return planes.reshape(-1, 3)
+        u = np.arange(rows)[:, None] - float(MARGIN)
+        v = u.T
+        offset[0] = h[1:, :-1] - slope_u[0] * (u + 1) - slope_v[0] * v
+        offset[1] = h[:-1, 1:] - slope_u[1] * u - slope_v[1] * (v + 1)
+        return np.ascontiguousarray(parts.reshape(3, 2, -1).transpose(2, 1, 0)).reshape(-1, 3)
 
     def slopes(self, every: int) -> Array:
         """Slopes (2, n), per cell, of one triangle in every so many cells of a period, each way."""
@@ -95,18 +96,36 @@ class Surface:
         ]
         return np.ascontiguousarray(cells[::every, ::every, 0, 1:].reshape(-1, 2).T)
 
-    @cached_property
-    def period_triangles(self) -> tuple[Array, Array]:
-        """Corners (corner, xyz, triangles) and planes (3, triangles) of one period's triangles."""
-        rows = len(self._grid) - 1
-        i, j = np.divmod(np.arange(rows * rows), rows)
-        within = (np.minimum(i, j) >= MARGIN) & (np.maximum(i, j) < rows - MARGIN)
-        chosen = np.repeat(within, 2)
-        vertex = faces(rows + 1)[chosen]
-        u, v = np.divmod(vertex, rows + 1)
+    def triangles(self, chosen: Array) -> tuple[Array, Array]:
+        """Corners (corner, xyz, n) and planes (3, n) of the triangles of these numbers (n,)."""
+        rows = len(self._grid)
+        vertex = corner_vertices(chosen, rows)
+        u, v = np.divmod(vertex, rows)
         corners = np.stack([u - MARGIN, v - MARGIN, self._grid.ravel()[vertex]])
         planes = self.planes[chosen].T
         return np.ascontiguousarray(corners.transpose(2, 0, 1)), np.ascontiguousarray(planes)
+
+    def _within_period(self, cells: Array) -> Array:
+        """Numbers of the triangles in the cells (period, period) of one period that are True."""
+        padded = np.pad(cells, MARGIN)
+        return (2 * np.flatnonzero(padded)[:, None] + [0, 1]).ravel()
+
+    @property
+    def period_triangles(self) -> tuple[Array, Array]:
+        """Corners (corner, xyz, triangles) and planes (3, triangles) of one period's triangles."""
+        return self.triangles(self._within_period(np.ones((self.period, self.period), bool)))
+
+    def crossing(self, height: float) -> tuple[Array, Array]:
+        """The same of the triangles of a period in those of its cells that cross a height."""
+        lowest, highest = self._cell_range
+        return self.triangles(self._within_period((lowest < height) & (height < highest)))
+
+    @cached_property
+    def _cell_range(self) -> tuple[Array, Array]:
+        """Lowest and highest corner of each cell of a period, (period, period)."""
+        h = self._grid[MARGIN : self.period + MARGIN + 1, MARGIN : self.period + MARGIN + 1]
+        low, high = np.minimum(h[1:], h[:-1]), np.maximum(h[1:], h[:-1])
+        return np.minimum(low[:, 1:], low[:, :-1]), np.maximum(high[:, 1:], high[:, :-1])
 
     @cached_property
     def lift(self) -> float:
@@ -117,7 +136,7 @@ class Surface:
         """
         spacing_uv = np.spacing(np.float32(self.period + 2 * MARGIN))
         spacing_z = np.spacing(np.float32(max(self.top, -self.bottom)))
-        steepest = np.abs(self.planes[:, 1:]).sum(axis=1).max()
+        steepest = (np.abs(self.planes[:, 1]) + np.abs(self.planes[:, 2])).max()
         return float(spacing_uv * steepest + spacing_z)
 
     @cached_property
@@ -125,20 +144,29 @@ class Surface:
         """The Embree scene of one period and its margins."""
         h = self._grid
         rows = len(h)
-        axis = np.arange(rows, dtype=np.float32) - MARGIN
-        vertices = np.empty((rows, rows, 3), np.float32)
+        axis = (np.arange(rows) - float(MARGIN)).astype(object)
+        # Python's own numbers, for the reason that `_tuples` gives.
+        vertices = np.empty((rows, rows, 3), object)
         vertices[..., 0], vertices[..., 1], vertices[..., 2] = axis[:, None], axis, h
         # `robust`: rays along the lines of the mesh slip through otherwise.
         scene = EmbreeScene(robust=True)
-        TriangleMesh(scene, vertices.reshape(-1, 3), _boxed_faces(rows))
+        TriangleMesh(scene, vertices.reshape(-1, 3), _tuples(rows))
         return scene
+
+    def build(self) -> None:
+        """Make all that rays need: Embree builds its tree in the first call, of no use else."""
+        self.query(np.zeros((3, 1)), np.ones((3, 1)))
+        self.rays, self.embree_s = 0, 0.0
+        _ = self.lift
 
     def query(self, o: Array, d: Array) -> Array:
         """Numbers (n,) of the triangles that rays (3, n) meet first within the mesh, or -1."""
-        if not (np.isfinite(o).all() and np.isfinite(d).all()):
+        # A sum of products is finite only where all of them are.
+        if not np.isfinite(np.vdot(o, d)):
             raise FloatingPointError("a ray with a value that is not finite was about to be traced")
         rays = np.empty((2, o.shape[1], 3), np.float32)
-        rays[0], rays[1] = o.T, d.T
+        for axis in range(3):
+            rays[0, :, axis], rays[1, :, axis] = o[axis], d[axis]
         started = perf_counter()
         triangle: Array = self.scene.run(rays[0], rays[1], query="INTERSECT")
         self.embree_s += perf_counter() - started
@@ -168,27 +196,34 @@ def shortened(cells: int) -> float:
     return float(cells * np.sqrt(delta2 / -np.expm1(-delta2)))
 
 
-def faces(rows: int) -> Array:
-    """Vertex numbers (2 (rows - 1)^2, 3) of the triangles of a square grid of `rows` points.
+def corner_vertices(triangles: Array, rows: int) -> Array:
+    """Vertex numbers (n, 3) of the triangles of these numbers (n,), on a square grid of `rows`
+    points.
 
     The diagonals alternate like the fields of a chessboard, since a diagonal that always ran the
     same way would make slopes along x and y correlate.
     """
-    i, j = np.divmod(np.arange((rows - 1) ** 2, dtype=np.int32), np.int32(rows - 1))
-    corner = i * rows + j
-    odd = (i + j) & 1
-    found = np.empty((corner.size, 2, 3), np.int32)
-    found[:, 0] = np.stack([corner, corner + rows, corner + rows + 1 - rows * odd], 1)
-    found[:, 1] = np.stack([corner + rows * odd, corner + rows + 1, corner + 1], 1)
-    return found.reshape(-1, 3)
+    cell, second = np.divmod(triangles, 2)
+    i, j = np.divmod(cell, rows - 1)
+    corner, odd = i * rows + j, (i + j) & 1
+    first = corner + rows * (second & odd)
+    last = corner + 1 + rows * (1 - (second | odd))
+    return np.stack([first, corner + rows + second, last], 1)
+
+
+def faces(rows: int) -> Array:
+    """Vertex numbers (2 (rows - 1)^2, 3) of the triangles of a square grid of `rows` points."""
+    return corner_vertices(np.arange(2 * (rows - 1) ** 2), rows).astype(np.int32)
 
 
 @lru_cache(maxsize=3)
-def _boxed_faces(rows: int) -> Array:
-    """`faces` as Python's integers, kept for all surfaces of a size.
+def _tuples(rows: int) -> Array:
+    """`faces` as tuples of Python's integers (triangles,), kept for all surfaces of a size.
 
-    Embree's binding takes numbers one by one, which costs most of making a surface, and a quarter
-    less where none has to be made into an object first.
+    Embree's binding asks for numbers one by one, as `faces[i][j]`, which costs most of making a
+    surface: less than half where no row and no number has to be made into an object first.
     """
-    numbers: Array = np.arange(rows * rows).astype(object)[faces(rows)]
-    return numbers
+    numbers = np.arange(rows * rows).astype(object)
+    found = np.empty(2 * (rows - 1) ** 2, object)
+    found[:] = list(zip(*numbers[faces(rows).T].tolist(), strict=True))
+    return found

@@ -16,9 +16,9 @@ from surfaces.materials import Material
 from surfaces.periodic import ESCAPED, LOST, meet, next_triangle
 from surfaces.stretch import Stretch
 from surfaces.surface import Surface
-from surfaces.views import VIEWS, slopes_in_view, to_mesh, to_view, upside_down
+from surfaces.views import VIEWS, Views, each, upside_down
 
-BLOCK = 16384
+BLOCK = 32768
 """Rays handled together."""
 
 
@@ -29,7 +29,7 @@ class Rays(Batch):
     o: Array
     d: Array
     view: Array | None = None
-    """Which of `surfaces.views` each is traced on, (n,); None: the mesh as it is."""
+    """Which of `surfaces.views` each is traced on, (n,), ascending; None: the mesh as it is."""
     weight: Array | None = None
     inside: Array | None = None
     sequence: Array | None = None
@@ -45,7 +45,7 @@ class Tracer:
     ) -> None:
         self.surface = surface
         self.material = material
-        self.stretch = stretch
+        self.views = Views(stretch, VIEWS if all_views else 1)
         self.all_views = all_views
 
     def trace(
@@ -82,15 +82,14 @@ class Tracer:
     def _arrive(self, wi: Array, place: Array, piece: tuple[int, int]) -> Rays:
         """Rays at the places (n,) in [0, 1) of the curve, or of those of all views in turn."""
         n, o, view = place.size, np.empty((3, place.size)), None
-        d = np.broadcast_to(self.stretch.to_grid(-wi[:, None]), (3, n))
+        directions = -(self.views.to_mesh @ wi).T
         o[2] = self.surface.top
         if self.all_views:
             view, place = np.divmod(place * VIEWS, 1)
-            view = view.astype(np.intp)
-            d = to_mesh(d, view)
+            view = view.astype(np.int8)
             o[2, upside_down(view)] = self.surface.bottom
         o[:2] = morton((piece[0] + place) / piece[1]) * self.surface.period
-        rays = Rays(o, d, view)
+        rays = Rays(o, directions.take(np.zeros(n, int) if view is None else view, axis=1), view)
         if self.material.absorbs:
             rays.weight = np.ones((self.material.channels, n))
         if self.material.transmits:
@@ -122,14 +121,11 @@ class Tracer:
             survivors.append(self._scatter(rays, point, slopes, rng))
 
     def _scatter(self, rays: Rays, point: Array, slopes: Array, rng: np.random.Generator) -> Rays:
-        if rays.view is not None:
-            slopes = slopes_in_view(slopes, rays.view)
-        m = self.stretch.normals(slopes)
+        m = self.views.normals(slopes, rays.view)
         if rays.inside is not None:
             np.negative(m, out=m, where=rays.inside)
         travel, gain, transmitted = self.material.scatter(self._in_world(rays), m, rays.inside, rng)
-        d = self.stretch.to_grid(travel)
-        after = Rays(point, d if rays.view is None else to_mesh(d, rays.view), rays.view)
+        after = Rays(point, each(self.views.to_mesh, travel, rays.view), rays.view)
         if gain is not None and rays.weight is not None:
             after.weight = rays.weight * gain
         if transmitted is not None and rays.inside is not None and rays.sequence is not None:
@@ -143,8 +139,7 @@ class Tracer:
         return Light(order, self._in_world(rays), rays.weight, rays.inside, rays.sequence, resolved)
 
     def _in_world(self, rays: Rays) -> Array:
-        d = rays.d if rays.view is None else to_view(rays.d, rays.view)
-        return self.stretch.to_world(d)
+        return each(self.views.to_world, rays.d, rays.view)
 
 
 def _below(rays: Rays) -> Array | None:

@@ -4,18 +4,25 @@ A random field is as likely as itself turned or upside down, so that each view i
 other. They are not independent, and count as one. But light comes from other azimuths, and from
 below it meets other facets: the mean over all eight is about as good as that over eight surfaces,
 of which making the mesh costs most.
+
+A view is a matrix, and so is the way from the world to the grid: their product takes vectors of the
+world to the mesh at once.
 """
 
 import numpy as np
 
 from surfaces.facet import Array
+from surfaces.stretch import Stretch
 
 VIEWS = 8
 """0 to 3: turned by so many quarters; 4 to 7: the same, upside down."""
 
-COS = np.array([1.0, 0.0, -1.0, 0.0] * 2)
-SIN = np.array([0.0, 1.0, 0.0, -1.0] * 2)
+COS, SIN = np.array([[1.0, 0.0, -1.0, 0.0] * 2, [0.0, 1.0, 0.0, -1.0] * 2])
 SIDE = np.array([1.0] * 4 + [-1.0] * 4)
+TURNS = np.zeros((VIEWS, 3, 3))
+"""From the grid as each view sees it to the mesh; all are orthogonal."""
+TURNS[:, 0, 0], TURNS[:, 0, 1], TURNS[:, 1, 0], TURNS[:, 1, 1] = COS, -SIN, SIN, COS
+TURNS[:, 2, 2] = SIDE
 
 
 def upside_down(view: Array) -> Array:
@@ -23,21 +30,38 @@ def upside_down(view: Array) -> Array:
     return np.asarray(view >= VIEWS // 2)
 
 
-def to_mesh(d: Array, view: Array) -> Array:
-    """Vectors (3, n) of the grid, as each view (n,) sees it, in the coordinates of the mesh."""
-    cos, sin = COS.take(view), SIN.take(view)
-    return np.stack([cos * d[0] - sin * d[1], sin * d[0] + cos * d[1], SIDE.take(view) * d[2]])
+class Views:
+    """The way between a world, which `stretch` takes to the grid, and the first `number` of the
+    surfaces that a mesh is."""
+
+    def __init__(self, stretch: Stretch, number: int = VIEWS) -> None:
+        turns = TURNS[:number]
+        self.to_mesh = turns @ stretch.matrix
+        """From the world to the mesh, a matrix for each view, (views, 3, 3)."""
+        self.to_world = stretch.inverse @ turns.transpose(0, 2, 1)
+        """The way back."""
+        self.slopes = -turns[:, 2:, 2:] * self.to_mesh[:, :2, :2].transpose(0, 2, 1)
+        """From slopes of the mesh to the first two components of upward normals, (views, 2, 2)."""
+
+    def normals(self, slopes: Array, view: Array | None) -> Array:
+        """Upward normals (3, n) in the world, of z = 1, of planes of these slopes (2, n) a cell."""
+        m = np.empty((3, slopes.shape[1]))
+        each(self.slopes, slopes, view, m[:2])
+        m[2] = 1
+        return m
 
 
-def to_view(d: Array, view: Array) -> Array:
-    """The way back from `to_mesh`."""
-    cos, sin = COS.take(view), SIN.take(view)
-    return np.stack([cos * d[0] + sin * d[1], cos * d[1] - sin * d[0], SIDE.take(view) * d[2]])
+def each(matrices: Array, vectors: Array, view: Array | None, out: Array | None = None) -> Array:
+    """Vectors (k, n), each multiplied by the matrix of its view, of `matrices` (views, j, k).
 
-
-def slopes_in_view(slopes: Array, view: Array) -> Array:
-    """Slopes (2, n) of planes of the mesh as each view (n,) has them."""
-    cos, sin, side = COS.take(view), SIN.take(view), SIDE.take(view)
-    return np.stack(
-        [side * (cos * slopes[0] + sin * slopes[1]), side * (cos * slopes[1] - sin * slopes[0])]
-    )
+    The numbers of the views `view` (n,) ascend; None: all are of the first.
+    """
+    if out is None:
+        out = np.empty((matrices.shape[1], vectors.shape[1]))
+    if view is None:
+        return np.matmul(matrices[0], vectors, out=out)
+    ends = np.searchsorted(view, np.arange(VIEWS + 1, dtype=view.dtype)).tolist()
+    for matrix, start, end in zip(matrices, ends, ends[1:], strict=False):
+        if end > start:
+            np.matmul(matrix, vectors[:, start:end], out=out[:, start:end])
+    return out

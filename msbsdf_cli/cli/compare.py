@@ -25,7 +25,7 @@ Pictures = list[Callable[[], None]]
 @click.command("compare")
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
 @use(*MODEL_OF_SURFACES, "orders", "method")
-@samples("1e6")
+@samples(None)
 @use(*RESOLUTION, "mesh", "max-order", *FREE_PATH, "seed", "threads", "precision", *REPORT)
 def command(runs: tuple[str, ...], **options: Any) -> None:
     """Hold the Smith model against explicit surfaces: free paths and lobes.
@@ -136,6 +136,7 @@ def in_words(scene: Any) -> dict[str, Any]:
 def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report: Any) -> Any:
     """The resolution of what is to be simulated, warnings of what takes long, and refusals."""
     from msbsdf_cli.cli import common, simulate, walk
+    from msbsdf_cli.experiments.resolution import LEAST_RAYS
 
     simulate.refuse_mesh(options)
     warnings, efforts, resolution = [], [], None
@@ -143,6 +144,7 @@ def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report:
         resolution = simulate.resolve(scene, options)
         warnings += simulate.surface_warnings(options)
         efforts.append(simulate.effort(scene, options))
+    options["samples"] = options["samples"] or LEAST_RAYS
     if options["method"] is not None:
         if "walk" in handed:
             raise click.UsageError("--method replaces the walk; leave out its report, or --method.")

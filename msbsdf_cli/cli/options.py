@@ -390,12 +390,12 @@ FREE_PATH = ("free-path-theta", "free-path-height")
 REPORT = ("out", "force", "quiet", "json")
 
 
-def samples(default: str) -> Decorator:
-    """The option --samples with a command's own default."""
+def samples(default: str | None) -> Decorator:
+    """The option --samples with a command's own default; None: what the accuracy needs."""
     return click.option(
         "--samples",
         type=Count(),
         default=default,
-        show_default=True,
+        show_default=default or "1e6, or more where --accuracy needs them",
         help="Rays or walks for each incident angle.",
     )

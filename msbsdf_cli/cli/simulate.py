@@ -10,7 +10,7 @@ import click
 
 from msbsdf_cli.cli.options import FREE_PATH, MODEL_OF_SURFACES, REPORT, RESOLUTION, samples, use
 
-BYTES_PER_CELL = 500
+BYTES_PER_CELL = 600
 """Of a surface, its mesh and Embree's scene of it."""
 
 CELLS_OF_PICTURE = 32
@@ -19,7 +19,7 @@ CELLS_OF_PICTURE = 32
 
 @click.command("simulate")
 @use(*MODEL_OF_SURFACES, "orders")
-@samples("1e6")
+@samples(None)
 @use(*RESOLUTION, "convergence", "mesh", "max-order", *FREE_PATH, "seed", "threads", *REPORT)
 def command(**options: Any) -> None:
     """Trace light on explicit random Beckmann surfaces.
@@ -59,12 +59,13 @@ def command(**options: Any) -> None:
 
 def resolve(scene: Any, options: dict[str, Any]) -> Any:
     """The resolution; what the options leave open of it is filled in."""
-    from msbsdf_cli.experiments.resolution import plan
+    from msbsdf_cli.experiments.resolution import plan, rays
     from msbsdf_cli.run.memory import gigabytes, memory_bytes
 
     given = (options[name] for name in ("cells", "extent", "realisations", "waves"))
     resolution = plan(scene, options["accuracy"], *given)
     options |= vars(resolution)
+    options["samples"] = options["samples"] or rays(resolution)
     need = BYTES_PER_CELL * (resolution.cells * resolution.extent) ** 2
     need *= min(options["threads"], resolution.realisations)
     if need > memory_bytes():

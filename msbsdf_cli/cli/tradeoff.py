@@ -73,6 +73,8 @@ def command(**options: Any) -> None:
         walks = options["replicates"] * sum(r.samples for r in result.rows)
         report.write(draft, tables(result), walks, more=in_words(result))
         draw_tradeoff(result.rows, result.floors, draft / "tradeoff.png")
+        if result.energies:
+            draw_tradeoff(result.energies, [], draft / "energies.png", "energies of orders")
         draw_scaling(result.scaling, draft / "scaling.png")
     report.end(lambda: show(result.rows, report.record["summary"]))
 
@@ -118,6 +120,8 @@ def tables(result: Any) -> dict[str, Any]:
         "pairs.csv": (Row, result.pairs),
         "scaling.csv": (Scaling, result.scaling),
     }
+    if result.energies:
+        found["energies.csv"] = (Row, result.energies)
     names = {file: [f.name for f in fields(kind)] for file, (kind, _) in found.items()}
     return {file: columns(rows, names[file]) for file, (_, rows) in found.items()}
 

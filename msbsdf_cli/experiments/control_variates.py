@@ -12,10 +12,9 @@ import numpy as np
 
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.visible_slopes import visible_slopes
-from surfaces.facet import Array, dot
-from surfaces.stretch import Stretch
+from surfaces.facet import Array
 from surfaces.surface import Surface
-from surfaces.views import VIEWS, slopes_in_view
+from surfaces.views import VIEWS, Views
 
 NUMBER = 3
 
@@ -24,15 +23,15 @@ PER_LENGTH = 8
 them."""
 
 
-def controls(surface: Surface, stretch: Stretch, wi: Array) -> Array:
+def controls(surface: Surface, views: Views, wi: Array) -> Array:
     """The controls (3,) of all views of a surface, for light from the unit vector `wi` (3,)."""
     slopes = surface.slopes(max(surface.cells // PER_LENGTH, 1))
-    total = np.zeros(NUMBER)
-    for view in range(VIEWS):
-        m = stretch.normals(slopes_in_view(slopes, np.full(1, view)))
-        area = np.maximum(wi @ m, 0)
-        total += [part.mean() for part in _parts(area, 2 * area / dot(m, m) - wi[2])]
-    return total / VIEWS
+    # Normals of z = 1: their areas are linear in the slopes, and their lengths are the same after
+    # half a turn, and upside down.
+    area = np.maximum(wi[2] + (wi[:2] @ views.slopes) @ slopes, 0)
+    quarter = views.slopes[:2] @ slopes
+    squares = np.tile(1 + (quarter * quarter).sum(axis=1), (VIEWS // 2, 1))
+    return np.array([part.mean() for part in _parts(area, 2 * area / squares - wi[2])])
 
 
 def expected(slopes: Slopes, wi: Array) -> Array:

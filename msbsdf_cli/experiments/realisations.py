@@ -82,6 +82,8 @@ class SurfaceResult:
     surface_s: float
     """Seconds for making the surface and its Embree scene."""
     trace_s: float
+    coarser_s: float
+    """Seconds for coarser meshes and tracing on them."""
     free_paths_lost: int
 
 
@@ -185,9 +187,8 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     started = time.perf_counter()
     scene = job.scene
     surface = realisation(job.resolution, job.number, job.seed)
-    surface.query(np.zeros((3, 1)), np.ones((3, 1)))  # Embree builds in its first call.
+    surface.build()
     ready = time.perf_counter()
-    surface.rays, surface.embree_s = 0, 0.0
     tracer = _tracer(scene, surface)
     shared = _shared_rays(job)
     units = _units(job, tracer, (shared, job.rays - shared))
@@ -196,14 +197,14 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     n = max(round(job.rays * FREE_PATHS_OF_RAYS), 1)
     shares, weights, lost = _free_paths(job, tracer, n)
     light = [
-        SurfaceLight(unit, controls(surface, tracer.stretch, scene.wi(theta)) - known)
+        SurfaceLight(unit, controls(surface, tracer.views, scene.wi(theta)) - known)
         for (_, unit), theta, known in zip(units, scene.theta, job.expected, strict=True)
     ]
+    coarser = time.perf_counter()
     if job.on_all_meshes:
         _add_coarser(job, light, [unit for unit, _ in units])
-    return SurfaceResult(
-        light, shares, weights, n, rays, embree_s, ready - started, traced - ready, lost
-    )
+    seconds = ready - started, traced - ready, time.perf_counter() - coarser
+    return SurfaceResult(light, shares, weights, n, rays, embree_s, *seconds, lost)
 
 
 def _tracer(scene: Scene, surface: Surface) -> Tracer:
@@ -249,7 +250,7 @@ def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, 
     edges = np.array(job.free_path_edges)
     rows = len(job.free_path_theta), len(job.free_path_starts)
     shares, weights, lost = np.zeros((*rows, edges.size)), np.zeros(rows), 0
-    paths_of = FreePathTracer(tracer.surface, tracer.stretch).next_heights
+    paths_of = FreePathTracer(tracer.surface, tracer.views).next_heights
     for i, theta in enumerate(job.free_path_theta):
         d = direction(theta, job.scene.phi)
         for j, start in enumerate(job.free_path_starts):

@@ -7,21 +7,21 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from msbsdf_cli.experiments.tradeoff.floors import Floor
 from msbsdf_cli.experiments.tradeoff.rows import Row
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.plots.style import save
 
-SIMULATED = "#000000", "p"
-"""Colour and marker of the explicit surfaces."""
+SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
+"""Colours and markers of what is traced on explicit surfaces."""
 
 
 def look(method: str) -> tuple[str, str]:
     """Colour and marker of a method, or of `simulate`, the same on every chart."""
     if method not in METHODS:
-        return SIMULATED
+        return SIMULATED[0].get(method, SIMULATED[1])
     traits = METHODS[method].traits
     return traits.colour, traits.marker
 
@@ -30,7 +30,12 @@ LEAST_ERROR = 1e-5
 """Errors below are drawn at the lower edge: they do not matter, and the others need the room."""
 
 
-def draw_tradeoff(rows: list[Row], floors: list[Floor], path: Path) -> None:
+def draw_tradeoff(
+    rows: list[Row],
+    floors: list[Floor],
+    path: Path,
+    quantity: str = "BSDF x cos(theta_o)",
+) -> None:
     """A large panel over all angles and a small one for each, times of both axes with set-up."""
     angles = list(dict.fromkeys(r.theta_i_rad for r in rows))
     columns = max(1, -(-len(angles) // 2))
@@ -42,13 +47,15 @@ def draw_tradeoff(rows: list[Row], floors: list[Floor], path: Path) -> None:
     )
     axis = figure.add_subplot(main[0])
     together = over_angles(rows, len(angles))
-    _draw_panel(axis, together, _floors_over_angles(floors), large=True)
+    limits = _limits(rows, floors)
+    _draw_panel(axis, together, _floors_over_angles(floors), limits, large=True)
     axis.set_title(f"all {len(angles)} angles: root mean square error, sum of times")
-    axis.set_ylabel("relative RMSE of BSDF x cos(theta_o)")
+    axis.set_ylabel(f"relative RMSE of {quantity}")
     for i, theta in enumerate(angles):
         panel = figure.add_subplot(small[i % 2, i // 2])
         mine = [as_point(r) for r in rows if r.theta_i_rad == theta]
-        _draw_panel(panel, mine, [f for f in floors if f.theta_i_rad == theta], large=False)
+        mine_floors = [f for f in floors if f.theta_i_rad == theta]
+        _draw_panel(panel, mine, mine_floors, limits, large=False)
         panel.set_title(f"theta_i = {theta:.4g}")
     _legend(figure, rows)
     save(figure, path)
@@ -104,7 +111,21 @@ def _floors_over_angles(floors: list[Floor]) -> list[Floor]:
     return together
 
 
-def _draw_panel(axis: Any, points: list[Point], floors: list[Floor], large: bool) -> None:
+def _limits(rows: list[Row], floors: list[Floor]) -> tuple[float, float]:
+    """Of the errors: the same on all charts that have floors, those of the rows elsewhere."""
+    if floors:
+        return LEAST_ERROR * 0.7, 2.0
+    errors = [r.relative_rmse for r in rows]
+    return min(errors) / 2, max(errors) * 2
+
+
+def _draw_panel(
+    axis: Any,
+    points: list[Point],
+    floors: list[Floor],
+    limits: tuple[float, float],
+    large: bool,
+) -> None:
     size = 5 if large else 3
     for method in dict.fromkeys(p["method"] for p in points):
         mine = [p for p in points if p["method"] == method]
@@ -119,7 +140,9 @@ def _draw_panel(axis: Any, points: list[Point], floors: list[Floor], large: bool
     axis.scatter(x, y, s=130 if large else 45, facecolor="none", edgecolor="0.2", lw=0.9, zorder=4)
     axis.set_xscale("log")
     axis.set_yscale("log")
-    axis.set_ylim(LEAST_ERROR * 0.7, 2)
+    axis.set_ylim(*limits)
+    if not large:
+        axis.xaxis.set_minor_formatter(NullFormatter())
     axis.yaxis.set_major_locator(LogLocator(numticks=10))
     axis.set_xlabel("seconds, set-up included" if large else "seconds", labelpad=1)
     for floor in floors:

@@ -123,7 +123,7 @@ def _bounce(
     if gain is not None and lanes.weight is not None:
         after.weight = np.broadcast_to(lanes.weight * gain, (material.channels, n))
     if transmitted is not None and lanes.inside is not None and lanes.sequence is not None:
-        d *= np.where(transmitted, dtype(-1), dtype(1))
+        d *= _sign(transmitted, dtype)
         after.t = np.where(transmitted, flip(t), t)
         after.inside = lanes.inside ^ transmitted
         after.sequence = append_event(lanes.sequence, transmitted)
@@ -136,5 +136,12 @@ def _bounce(
 def _leave(lanes: Lanes, order: int, resolved: bool = True) -> Light:
     w = lanes.d
     if lanes.inside is not None:
-        w = np.where(lanes.inside, -w, w)
+        w = w * _sign(lanes.inside, w.dtype.type)
     return Light(order, w, lanes.weight, lanes.inside, lanes.sequence, resolved)
+
+
+def _sign(turned: Array, dtype: type) -> Array:
+    """-1 where lanes are `turned`, and 1 elsewhere; `np.where` costs ten times as much of a choice
+    that nothing predicts."""
+    sign: Array = dtype(1) - dtype(2) * turned
+    return sign

@@ -60,10 +60,15 @@ _COLUMN = Bins(
 def lobe_bin(w: Array) -> Array:
     """Bin numbers (n,) of directions (3, n), each hemisphere counted from its own pole."""
     x, y = w[0], w[1]
+    width = np.abs(x) + np.abs(y)
     # At the pole, where there is no azimuth, the first bin.
-    width = np.maximum(np.abs(x) + np.abs(y), np.finfo(w.dtype).tiny)
-    side = y / width
-    bins: Array = _ROW(np.minimum(np.abs(w[2]), 1)) + _COLUMN(np.where(x < 0, 2 - side, side))
+    np.maximum(width, np.finfo(w.dtype).tiny, out=width)
+    # y / width, or 2 less that where x < 0: signs at random are no good to `np.where`.
+    azimuth = y / width
+    azimuth -= 1
+    azimuth *= np.copysign(w.dtype.type(1), x)
+    azimuth += 1
+    bins: Array = _ROW(np.minimum(np.abs(w[2]), 1)) + _COLUMN(azimuth)
     return bins
 
 

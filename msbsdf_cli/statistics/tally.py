@@ -95,16 +95,18 @@ class Tally:
             bins += below * BINS
         if codes is not None and below is not None:
             codes = 2 * (codes if light.order <= self.orders else np.zeros_like(codes)) + below
+        rows = _powers(light.w)
         for views, power in ((self._sum, 1), (self._square, 2))[: 1 + self.independent]:
-            share = None if weight is None else weight**power
-            energy, moments = _sums(light.w, share, below, power)
-            views["energy"][row] += energy
-            views["side"] += energy
-            views["moments"][row] += moments
-            if power == 1 or share is not None:
+            if power == 1 or weight is not None:
+                share = weight if weight is None or power == 1 else weight * weight
+                sides, sums = _sums(rows, share, below)
                 lobe = np.bincount(bins, share, 2 * BINS).reshape(2, -1)
                 if codes is not None:
                     count = np.bincount(codes, share, 2 ** (self.orders + 2)).reshape(-1, 2)
+            views["energy"][row] += sides
+            views["side"] += sides
+            first = len(light.w) * (power - 1)
+            views["moments"][row] += sums[:, first : first + len(MOMENTS)]
             views["lobe"][row] += lobe
             if codes is not None:
                 views["sequence"][:] += count
@@ -167,20 +169,28 @@ def combination(*parts: tuple[float, Tally]) -> Tally:
     return unit
 
 
-def _sums(w: Array, share: Array | None, below: Array | None, power: int) -> tuple[Array, Array]:
-    """Sums of share (sides,) and of share x (x, y, z, xx, yy, zz)^power (sides, 6), over
-    directions (3, n) of which `below` tells the side."""
-    first = w if power == 1 else w * w
-    products = np.concatenate([first, w * w if power == 1 else first * first])
-    energy, moments = np.zeros(2), np.zeros((2, len(MOMENTS)))
+def _powers(w: Array) -> Array:
+    """Components of directions (3, n), their squares, and the squares of these, (9, n), in double
+    precision: moments are sums of the first six, and their squares of the last six."""
+    rows = np.empty((9, w.shape[1]))
+    rows[:3] = w
+    np.multiply(rows[:3], rows[:3], out=rows[3:6])
+    np.multiply(rows[3:6], rows[3:6], out=rows[6:])
+    return rows
+
+
+def _sums(rows: Array, share: Array | None, below: Array | None) -> tuple[Array, Array]:
+    """Sums of `share` (n,), 1 if None, by side (2,), and of its products with `rows` (9, n) by side
+    (2, 9); `below` tells the side."""
+    sides, sums = np.zeros(2), np.zeros((2, len(rows)))
     if below is None:
-        energy[0] = w.shape[1] if share is None else share.sum()
-        moments[0] = products.sum(axis=1) if share is None else products @ share
-        return energy, moments
-    shares = np.stack([~below, below]).astype(float)
-    if share is not None:
-        shares *= share
-    return shares.sum(axis=1), shares @ products.T
+        sides[0] = rows.shape[1] if share is None else share.sum()
+        sums[0] = rows.sum(axis=1) if share is None else rows @ share
+        return sides, sums
+    shares = np.empty((2, rows.shape[1]))
+    shares[1] = below if share is None else below * share
+    np.subtract(1 if share is None else share, shares[1], out=shares[0])
+    return shares.sum(axis=1), shares @ rows.T
 
 
 def sequence_names(orders: int) -> list[str]:

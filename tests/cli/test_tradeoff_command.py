@@ -42,7 +42,10 @@ def test_a_report_holds_what_the_contract_says(tmp_path):
     parameters = {r["parameter"] for r in table(out / "scaling.csv")}
     assert parameters == {"samples", "threads", "orders", "roughness"}
     assert {"reach.csv", "pairs.csv", "run.json"} <= {p.name for p in out.iterdir()}
-    for name in ("tradeoff.png", "scaling.png"):
+    energies = table(out / "energies.csv")
+    assert list(energies[0]) == list(rows[0])
+    assert {r["method"] for r in energies} == {"simulate-one-mesh", "simulate-three-meshes"}
+    for name in ("tradeoff.png", "scaling.png", "energies.png"):
         assert (out / name).stat().st_size > 10_000
     assert "--force" in refused("tradeoff", *QUICK, "--out", out)
 

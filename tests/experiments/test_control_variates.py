@@ -10,6 +10,7 @@ from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.slopes import Beckmann
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.materials import Conductor
+from surfaces.views import Views
 
 
 def incident(theta, phi=0.3):
@@ -38,7 +39,7 @@ def test_controls_of_surfaces_are_near_their_expected_values():
     found = []
     for number in range(64):
         surface = realisation(resolution, number, 5)
-        found.append(controls(surface, surface.stretch(0.5, 0.5, 0.3), wi))
+        found.append(controls(surface, Views(surface.stretch(0.5, 0.5, 0.3)), wi))
     offset = np.mean(found, axis=0) - expected(Beckmann(0.5, 0.5), wi)
     stderr = np.std(found, axis=0, ddof=1) / 8
     assert np.all(np.abs(offset) < 4 * stderr + 1e-3)

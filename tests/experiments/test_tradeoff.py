@@ -5,7 +5,10 @@ import pytest
 
 from msbsdf_cli.experiments.figures import figure_17
 from msbsdf_cli.experiments.figures.figure_17 import slab
+from msbsdf_cli.experiments.realisations import Resolution
+from msbsdf_cli.experiments.tradeoff import reference as module
 from msbsdf_cli.experiments.tradeoff.directions import lobe_directions
+from msbsdf_cli.experiments.tradeoff.energies import ONE, THREE, energy_rows
 from msbsdf_cli.experiments.tradeoff.fits import pareto, slope
 from msbsdf_cli.experiments.tradeoff.floors import floors, margin
 from msbsdf_cli.experiments.tradeoff.measuring import Protocol, Setting, ladder, measure, timed
@@ -22,6 +25,7 @@ from msbsdf_cli.experiments.tradeoff.surface_reference import (
     distance,
     grouped_noise,
     own_noise,
+    trace_surfaces,
 )
 from msbsdf_cli.experiments.tradeoff.time_to_accuracy import seconds_to, times_to_accuracy
 from msbsdf_cli.methods.registry import METHODS
@@ -218,12 +222,53 @@ def test_distance_of_lobes_is_free_of_noise(rng):
 
 
 def test_noise_of_surfaces_falls_with_their_number(rng):
-    world = SurfaceReference(lobes_of(1, 0.4, 32, rng)[:, None], [1.0] * 32, [1.0] * 32, 100)
+    world = SurfaceReference(lobes_of(1, 0.4, 32, rng)[:, None], [], [], 100)
     sizes, noise, stderr = zip(*grouped_noise(world, 0), strict=True)
     assert sizes == (1, 2, 4, 8)
     for size, value, error in zip(sizes, noise, stderr, strict=True):
         assert value == pytest.approx(0.4 / np.sqrt(size), abs=5 * error)
     assert own_noise(world, 0)[0] == pytest.approx(0.4 / np.sqrt(32), rel=0.1)
+
+
+def simulated(cells, surfaces):
+    """Rows of energies of a rough mirror in vertical light."""
+    scene = Scene(Conductor(), Beckmann(1, 1), (0.0,), 0.0)
+    resolution = Resolution(cells, 12, surfaces)
+    found = trace_surfaces(scene, resolution, surfaces * 8000, 0, 1, True)
+    return energy_rows(scene, found.steps, found.spent, found.rays)
+
+
+def test_energies_by_ever_more_surfaces():
+    rows = simulated(8, 24)
+    assert [(r.method, r.samples) for r in rows] == [
+        (method, n * 8000) for method in (ONE, THREE) for n in (8, 16, 24)
+    ]
+    one, three = rows[2], rows[5]
+    # Measured .55; both are known to a seventh.
+    assert three.noise < 0.8 * one.noise
+    assert three.seconds > one.seconds
+    assert three.setup_s == one.setup_s
+    for r in rows:
+        assert r.relative_rmse == pytest.approx(np.hypot(r.noise, r.bias))
+        assert r.efficiency == pytest.approx(1 / (r.relative_rmse**2 * r.seconds))
+
+
+def test_the_bias_of_one_mesh_is_that_of_its_cells():
+    """The README's .011 of an order on 4 cells, of energies of .47 and .46."""
+    _, one, _, three = simulated(4, 16)
+    step = np.sqrt(one.bias**2 - three.bias**2)
+    assert step * np.hypot(0.47, 0.46) == pytest.approx(0.011, rel=0.3)
+
+
+def test_walks_stand_in_where_solving_does_much_worse(monkeypatch):
+    """Two roughnesses, of which coarse solutions know directions to some percent."""
+    tried = []
+    solved = module._solved
+    monkeypatch.setattr(module, "_solved", lambda *a: tried.append(a[2]) or solved(a[0], a[1], 0.1))
+    scene = Scene(Conductor(), Beckmann(1.0, 0.3), (0.5,), 0.0)
+    found = reference(scene, [lobe_directions(scene, 0.5, 24, 0)], ("walk", "solve"), 4096, 0)
+    assert found.method == "walk-low-variance"
+    assert tried == [module.TRIAL]
 
 
 def test_merged_bins_keep_energy_and_centre():

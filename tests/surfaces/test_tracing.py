@@ -11,6 +11,7 @@ from surfaces.materials._metals import METALS
 from surfaces.periodic import ESCAPED, meet, next_triangle
 from surfaces.surface import Surface
 from surfaces.tracing import Tracer, morton
+from surfaces.views import Views
 
 
 def make(seed=0, extent=8, cells=8):
@@ -167,7 +168,7 @@ def test_free_paths_from_outside_match_first_hits():
     surface = make(extent=8)
     stretch = surface.stretch(1.0, 1.0, 0.0)
     rng = np.random.default_rng(2)
-    tracer = FreePathTracer(surface, stretch, views=1)
+    tracer = FreePathTracer(surface, Views(stretch, 1))
     paths = tracer.next_heights(-incident(0.0), np.inf, 20_000, rng)
     # Straight down, the next facet's height is the height itself.
     mean, stderr = surface.heights.mean(), surface.heights.std() / np.sqrt(20_000)
@@ -231,9 +232,9 @@ def test_free_paths_of_views_are_those_of_the_surfaces():
     d, edges = incident(1.2, 0.4), np.linspace(-3, 3, 7)
     for start in (-0.5, np.inf):
         way = d if np.isfinite(start) else -d
-        mine = FreePathTracer(surface, stretch).next_heights(way, start, 80_000, rng)
+        mine = FreePathTracer(surface, Views(stretch)).next_heights(way, start, 80_000, rng)
         each = [
-            FreePathTracer(turned(surface, v), stretch, views=1).next_heights(
+            FreePathTracer(turned(surface, v), Views(stretch, 1)).next_heights(
                 way, start, 10_000, rng
             )
             for v in range(8)

@@ -79,13 +79,13 @@ def _row(scene: Scene, series: Series, truth: np.ndarray) -> Row:
         resolution=setting.resolution,
         bias_z=square.bias / square.bias_stderr if square.bias_stderr > 0 else NAN,
         model=METHODS[setting.method].traits.model,
-        **_place(scene, lobe.theta),
-        **_with_stderr(
+        **place(scene, lobe.theta),
+        **with_stderr(
             relative_rmse=root(square.total, square.total_stderr),
             bias=root(square.bias, square.bias_stderr),
             noise=root(square.noise, square.noise_stderr),
         ),
-        **_costs(square.total, series.times, series.setup_s[1]),
+        **costs(square.total, series.times, series.setup_s[1]),
     )
 
 
@@ -100,12 +100,12 @@ def simulate_rows(scene: Scene, surfaces: SurfaceReference) -> list[Row]:
                 bias=NAN,
                 reference="surfaces",
                 model="surfaces",
-                **_place(scene, theta),
-                **_with_stderr(relative_rmse=(noise, stderr), noise=(noise, stderr)),
-                **_costs(
+                **place(scene, theta),
+                **with_stderr(relative_rmse=(noise, stderr), noise=(noise, stderr)),
+                **costs(
                     noise**2,
-                    quartiles([size * s for s in surfaces.trace_s]),
-                    size * float(np.median(surfaces.surface_s)),
+                    quartiles([size * s.trace_s for s in surfaces.spent]),
+                    size * float(np.median([s.surface_s for s in surfaces.spent])),
                 ),
             )
             for size, noise, stderr in grouped_noise(surfaces, i)
@@ -114,19 +114,20 @@ def simulate_rows(scene: Scene, surfaces: SurfaceReference) -> list[Row]:
     return rows
 
 
-def _place(scene: Scene, theta: float) -> dict[str, Any]:
+def place(scene: Scene, theta: float) -> dict[str, Any]:
+    """Columns of the scene."""
     names = ("material", "slopes", "alpha_x", "alpha_y", "theta_i_rad")
     values = scene.material.name, scene.slopes.name, *scene.alpha, theta
     return dict(zip(names, values, strict=True))
 
 
-def _with_stderr(**measured: tuple[float, float]) -> dict[str, Any]:
+def with_stderr(**measured: tuple[float, float]) -> dict[str, Any]:
     """Columns of values and, by the names with `_stderr`, their standard errors."""
     values = {name: value for name, (value, _) in measured.items()}
     return values | {f"{name}_stderr": stderr for name, (_, stderr) in measured.items()}
 
 
-def _costs(square: float, seconds: Quartiles, setup_s: float) -> dict[str, Any]:
+def costs(square: float, seconds: Quartiles, setup_s: float) -> dict[str, Any]:
     """Columns of times, and of efficiencies from the squared relative error."""
     low, middle, high = seconds
     tiny = np.finfo(float).tiny

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from msbsdf_cli.experiments.realisations import Resolution
 from msbsdf_cli.experiments.tradeoff.directions import Lobe, lobe_directions
+from msbsdf_cli.experiments.tradeoff.energies import energy_rows
 from msbsdf_cli.experiments.tradeoff.floors import MARGIN, Floor, floors, margin
 from msbsdf_cli.experiments.tradeoff.measuring import Protocol, ladder, measure
 from msbsdf_cli.experiments.tradeoff.reference import Reference, references
@@ -65,6 +66,8 @@ class Result:
     """Errors that are judged over that of the reference, at least."""
     pairs: list[Row]
     scaling: list[Scaling]
+    energies: list[Row]
+    """Of simulations, by ever more surfaces."""
     warnings: list[str] = field(default_factory=list)
 
 
@@ -79,11 +82,12 @@ def study(scene: Scene, settings: Settings) -> Result:
         steps = ladder(methods, settings.samples)
         series = measure(scene, steps, lobes, protocol, progress.advance)
     rows = method_rows(scene, series, truth)
-    surfaces, found = None, []
+    surfaces, found, energies = None, [], []
     if settings.resolution is not None:
         work = settings.rays, seed, settings.threads, settings.quiet
         surfaces = trace_surfaces(scene, settings.resolution, *work)
         found = distances(scene, methods, surfaces, seed, settings.threads)
+        energies = energy_rows(scene, surfaces.steps, surfaces.spent, surfaces.rays)
         rows = with_distances([*rows, *simulate_rows(scene, surfaces)], found)
     better = margin(rows, truth, scene.theta)
     return Result(
@@ -93,6 +97,7 @@ def study(scene: Scene, settings: Settings) -> Result:
         better,
         pair_rows(scene, pairs, pair_truth, settings),
         scale(scene, rows, lobes[len(lobes) // 2], settings),
+        energies,
         [] if better >= MARGIN else [_too_near(truth, better)],
     )
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.experiments.control_variates import expected
+from msbsdf_cli.experiments.control_variates import NUMBER, expected
 from msbsdf_cli.experiments.realisations import Resolution, SurfaceJob, trace_surface
+from msbsdf_cli.experiments.tradeoff.known_energies import FEWEST, Known, Spent, known
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
@@ -23,8 +24,10 @@ from msbsdf_cli.statistics.binning import (
     merge_sides,
     merged_solid_angle,
 )
+from msbsdf_cli.statistics.discretisation import on_all_meshes
 from msbsdf_cli.statistics.jackknife import jackknife
 from msbsdf_cli.statistics.repetitions import root
+from msbsdf_cli.statistics.surface_tally import SurfaceTally
 from surfaces.facet import Array
 from surfaces.streams import stream
 
@@ -52,10 +55,10 @@ class SurfaceReference:
 
     units: Array
     """Energy in bins (realisations, angles, bins)."""
-    surface_s: list[float]
-    """Seconds for making each surface."""
-    trace_s: list[float]
-    """Seconds for tracing one incident angle on each."""
+    spent: list[Spent]
+    """Seconds for each surface."""
+    steps: list[list[Known]]
+    """What is known of each angle's energies after ever more surfaces."""
     rays: int
     """Of one angle on one surface."""
 
@@ -64,21 +67,35 @@ def trace_surfaces(
     scene: Scene, resolution: Resolution, samples: int, seed: int, workers: Workers, quiet: bool
 ) -> SurfaceReference:
     """`samples` rays for each incident angle, spread over the realisations."""
-    rays = -(-samples // resolution.realisations)
-    known = tuple(expected(scene.slopes, scene.wi(theta)) for theta in scene.theta)
+    number, angles = resolution.realisations, len(scene.theta)
+    rays = -(-samples // number)
+    expect = tuple(expected(scene.slopes, scene.wi(theta)) for theta in scene.theta)
+    fixed = (), (), (0.0, 1.0), seed, 10_000, expect
     jobs = (
-        SurfaceJob(scene, resolution, number, rays, (), (), (0.0, 1.0), seed, 10_000, known)
-        for number in range(resolution.realisations)
+        SurfaceJob(scene, resolution, i, rays, *fixed, on_all_meshes=i < on_all_meshes(number))
+        for i in range(number)
     )
-    units, surface_s, trace_s = [], [], []
-    with Progress("surfaces", resolution.realisations, "surfaces", quiet) as progress:
+    tallies = [SurfaceTally(scene.orders, NUMBER, resolution.extent) for _ in scene.theta]
+    units, spent = [], []
+    steps: list[list[Known]] = [[] for _ in scene.theta]
+    with Progress("surfaces", number, "surfaces", quiet) as progress:
         for result in map_ordered(trace_surface, jobs, workers):
             lobes = [mine.unit.estimate("lobe").value.sum(axis=0) for mine in result.light]
             units.append([merge_sides(lobe) for lobe in lobes])
-            surface_s.append(result.surface_s)
-            trace_s.append(result.trace_s / len(scene.theta))
+            spent.append(
+                Spent(result.surface_s, result.trace_s / angles, result.coarser_s / angles)
+            )
+            for tally, light, step in zip(tallies, result.light, steps, strict=True):
+                tally.add_surface(light)
+                if is_step(tally.units, number):
+                    step.append(known(tally))
             progress.advance(1)
-    return SurfaceReference(np.array(units), surface_s, trace_s, rays)
+    return SurfaceReference(np.array(units), spent, steps, rays)
+
+
+def is_step(surfaces: int, most: int) -> bool:
+    """Whether so many surfaces make a row: 8, 16, 32, ..., and all."""
+    return surfaces == most or (surfaces >= FEWEST and surfaces & (surfaces - 1) == 0)
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,8 @@ class Ggx(Slopes):
     def sigma(self, d: Array) -> Array:
         x, y, z = self.alpha_x * d[0], self.alpha_y * d[1], d[2]
         s2 = x * x + y * y
-        sum_ = np.sqrt(s2 + z * z) + np.abs(z)
-        # sqrt(s^2 + z^2) - z, without cancellation where z > 0.
-        return np.where(z > 0, s2 / sum_, sum_) / 2
+        # sqrt(s^2 + z^2) - z as a sum of terms of one sign.
+        return s2 / (np.sqrt(s2 + z * z) + np.abs(z)) / 2 + np.maximum(-z, 0)
 
     def visible_normals(self, wi: Array, n: int, rng: np.random.Generator) -> Array:
         """By spherical caps (Dupuy & Benyoub 2023): on the stretched sphere the visible normal is
@@ -36,7 +35,7 @@ class Ggx(Slopes):
         s2 = x * x + y * y
         length = np.sqrt(s2 + z * z)
         x, y = x / length, y / length
-        cap = np.where(z > 0, (length + z) / length, s2 / (length * (length + np.abs(z))))
+        cap = (s2 / (length + np.abs(z)) + 2 * np.maximum(z, 0)) / length
         u = rng.random(n, dtype=dtype)
         below = u * cap
         sin_theta = np.sqrt(below * (2 - below))
