@@ -11,7 +11,7 @@ material = "conductor"
 metal = "gold"
 slopes = "ggx"
 alpha = 0.02
-angles_deg = [0, 45]
+theta = [0, "45deg"]
 
 [[surface]]
 name = "bowl"

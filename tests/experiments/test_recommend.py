@@ -42,7 +42,7 @@ def test_a_scene_is_read(tmp_path):
         metal = "gold"
         slopes = "ggx"
         alpha = [0.5, 1]
-        angles_deg = [0, 60]
+        theta = [0, "60deg"]
         weight = 2
         [[surface]]
         name = "glass"
@@ -78,8 +78,8 @@ ONE = '[[surface]]\nname = "a"\nmaterial = "conductor"\nalpha = 0.5\n'
         (ONE.replace("0.5", "[0.5, 0.1]"), "alpha"),
         (ONE.replace("0.5", "true"), "numbers"),
         (ONE.replace("0.5", "nan"), "finite"),
-        (ONE + "angles_deg = [90]\n", "90"),
-        (ONE + "angles_deg = []\n", "empty"),
+        (ONE + "theta = 1.6\n", "1.6"),
+        (ONE + "theta = []\n", "empty"),
         (ONE + "weight = 0\n", "weight"),
         (ONE + 'slopes = "student-t"\n', "gamma is missing"),
         (ONE + "gamma = 3\n", "gamma"),
