@@ -5,7 +5,6 @@ roughness alpha of 0.1 where nothing else is said, glass of BK7 in air, conducto
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
