@@ -83,9 +83,9 @@ def by_lobe(
     lobe, albedo = np.maximum(own, 0), np.abs(model[0] - truth[0])
     bound = np.maximum(lobe + wide, albedo + known)
     lobe, albedo, bound = (over(each, truth[0]) for each in (lobe, albedo, bound))
-    figures = (float(each.max()) for each in (albedo, lobe, bound))
     wider = model[0], CONFIDENCE * model[1] + doubt
-    return Apart(place, *figures, *_colours(wider, (truth[0], CONFIDENCE * truth[1])))
+    colours = _colours(wider, (truth[0], CONFIDENCE * truth[1]))
+    return Apart(place, float(albedo.max()), float(lobe.max()), float(bound.max()), *colours)
 
 
 def over(a: Array, b: Array) -> Array:

@@ -18,12 +18,12 @@ from msbsdf_cli.experiments.recommend.apart import (
     by_lobe,
     over,
 )
-from msbsdf_cli.experiments.recommend.light import Light, replaced, walked
+from msbsdf_cli.experiments.recommend.light import replaced, walked
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
-from msbsdf_cli.methods.registry import METHODS, holds
+from msbsdf_cli.methods.registry import holds
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.methods.solver.size import energy_seconds
-from msbsdf_cli.scene import Scene, direction
+from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.statistics.colour import MOST_OF_RELATIVE
@@ -71,6 +71,11 @@ class Candidate:
     def least(self) -> float:
         """At least so large is the error."""
         return 2 * self.error - self.bound
+
+    @property
+    def follows_all(self) -> bool:
+        """Whether it is the Smith model itself, of all bounces."""
+        return self.bounces == 0 and self.method not in COMPENSATED
 
     @classmethod
     def of(
@@ -213,23 +218,26 @@ def truncated(solved: list[Case], scale: float) -> list[Candidate]:
     return [*found, Candidate.of(name, 0, float(cost[-1]), nothing, scale)]
 
 
-def compensated(solved: list[Case], scale: float) -> list[Candidate]:
+def compensated(solved: list[Case], scale: float, seed: int) -> list[Candidate]:
     """Models that replace all bounces but the first, which meet one facet."""
     names = [name for name in COMPENSATED if _all_hold(name, solved)]
     apart: dict[str, list[Apart]] = {name: [] for name in names}
     for case in solved if names else ():
-        for name, found in compensation_apart(case, names, WALKS).items():
+        for name, found in compensation_apart(case, names, WALKS, seed).items():
             apart[name].append(found)
     return [Candidate.of(name, 0, 1.0, apart[name], scale) for name in names]
 
 
-def compensation_apart(case: Case, names: list[str], walks: int) -> dict[str, Apart]:
+def compensation_apart(case: Case, names: list[str], walks: int, seed: int) -> dict[str, Apart]:
     """How far methods are off in one case: their later bounces against those of walks."""
-    (light,) = walked(case.scene, walks, 0)
+    (light,) = walked(case.scene, walks, seed)
     found = {}
     for name in names:
         (mine,) = replaced(name, case.scene)
-        lobes = [(_without_noise(m), one.orders(1), None) for (m, _), one in zip(mine, light)]
+        lobes = [
+            (_without_noise(m), one.orders(1), None)
+            for (m, _), one in zip(mine, light, strict=True)
+        ]
         first = case.energy[:, 0]
         added = np.array([m.sum() for m, _ in mine])
         model = first + added, np.zeros_like(first)

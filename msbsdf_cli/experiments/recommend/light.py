@@ -1,5 +1,5 @@
-"""Light that a surface sends back, in the bins of lobes: of the Smith model, of methods that replace
-its later bounces, and as traced on explicit surfaces."""
+"""Light that a surface sends back, in the bins of lobes: of the Smith model, of methods that
+replace its later bounces, and as traced on explicit surfaces."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -19,7 +19,6 @@ from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, merge_sides
 from msbsdf_cli.statistics.distances import Histogram
 from msbsdf_cli.statistics.tally import Estimate
 from surfaces.facet import Array
-from surfaces.materials import Material
 from surfaces.streams import stream
 
 MAX_ORDER = 10_000
@@ -70,8 +69,8 @@ def traced(scene: Scene, rays: int, seed: int, workers: Workers) -> list[list[Li
 
 def replaced(method: str, scene: Scene) -> list[list[tuple[Array, float]]]:
     """What a method without noise has in the place of all bounces but the first: for each angle
-    and channel bins, and the energy of the first bounce as values in bins add up to: how far that is
-    off tells the error of adding them up."""
+    and channel bins, and the energy of the first bounce to which its values in bins add up: how far
+    that is off tells the error of adding them up."""
     wo, solid_angle = bins(scene.material.transmits, places(scene))
     flat = wo.transpose(1, 0, 2).reshape(3, -1)
     bsdf = METHODS[method](scene.slopes, scene.material, 1)
@@ -110,17 +109,19 @@ def _light(lobes: Lobes, i: int) -> Light:
         np.array([_merged(order[:sides].ravel()) for order in part])
         for part in (lobes.bins.value[i], lobes.bins.stderr[i] ** 2)
     )
-    energy = Estimate(
-        lobes.energy.value[i].sum(axis=1), np.hypot(*lobes.energy.stderr[i].T)
-    )
+    energy = Estimate(lobes.energy.value[i].sum(axis=1), np.hypot(*lobes.energy.stderr[i].T))
     lost = [lobes.rest[name] for name in ("absorbed", "unresolved")]
-    total = Estimate(
-        1 - sum(part.value[i] for part in lost), np.hypot(*(part.stderr[i] for part in lost))
-    )
+    # What a period moves is moved between orders: with their errors in quadrature it counts twice.
+    stderr = min(float(np.hypot(*(part.stderr[i] for part in lost))), _length(energy.stderr))
+    total = Estimate(1 - sum(part.value[i] for part in lost), np.array(stderr))
     groups = None
     if lobes.groups is not None:
         groups = lobes.groups[i][:, :, :sides].sum(axis=1).reshape(len(lobes.groups[i]), -1)
     return Light(energy, Estimate(value, np.sqrt(square)), total, groups)
+
+
+def _length(errors: Array) -> float:
+    return float(np.sqrt((errors**2).sum()))
 
 
 def _merged(lobe: Array) -> Array:

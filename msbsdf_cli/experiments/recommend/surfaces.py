@@ -22,8 +22,9 @@ from msbsdf_cli.experiments.recommend.light import (
     traced,
     walked,
 )
-from msbsdf_cli.experiments.resolution import LEAST_REALISATIONS
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
+from msbsdf_cli.experiments.resolution import LEAST_REALISATIONS
+from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.registry import holds
 from msbsdf_cli.run.executors import Workers
 from msbsdf_cli.scene import Scene
@@ -45,9 +46,9 @@ def against_surfaces(
     surface: SceneSurface, rays: int, seed: int, workers: Workers, scale: float
 ) -> list[Candidate]:
     """All candidates, with errors that hold the noise of surfaces and walks. `rays` for each angle,
-    channel and roughness. Raises ValueError for slopes that no surface has."""
+    channel and roughness. Raises UnsupportedError for slopes that no surface has."""
     if any(slopes.name != SLOPES for slopes in surface.slopes):
-        raise ValueError(
+        raise UnsupportedError(
             f"its slopes are {surface.slopes[0].name}, and the surfaces that are traced are "
             f"Gaussian ones: against them slopes {SLOPES} can be judged"
         )
@@ -67,13 +68,14 @@ def against_surfaces(
                 found = _compensated(case, instead[name][i], model[i], truth[i])
                 apart.setdefault((name, 0), []).append(found)
     cost, walk = facets(solved), walk_of(solved)
-    found = []
+    candidates = []
     for (name, n), each in apart.items():
+        # A method that does not hold for each roughness is no candidate.
         if len(each) == len(solved):
             method = name or ("single" if n == 1 else walk)
             met = 1.0 if name else float(cost[n - 1])
-            found.append(Candidate.of(method, n, met, each, scale))
-    return found
+            candidates.append(Candidate.of(method, n, met, each, scale))
+    return candidates
 
 
 def distance(scene: Scene, rays: int, seed: int) -> list[Apart]:
@@ -99,7 +101,9 @@ def _case(scene: Scene, model: list[Light]) -> Case:
 
 def _truncated(case: Case, n: int, model: list[Light], truth: list[Light]) -> Apart:
     """Of the first n bounces; of all for 0."""
-    lobes = [(m.orders(0, n or None), t.orders(0), t.groups) for m, t in zip(model, truth, strict=True)]
+    lobes = [
+        (m.orders(0, n or None), t.orders(0), t.groups) for m, t in zip(model, truth, strict=True)
+    ]
     if n:
         value = case.energy[:, :n].sum(axis=1)
         square = sum(np.array([m.energy.stderr[k] for m in model]) ** 2 for k in range(n))
@@ -123,5 +127,7 @@ def _compensated(
 
 
 def _totals(light: list[Light]) -> tuple[Array, Array]:
-    value, stderr = (np.array([getattr(one.total, f) for one in light]) for f in ("value", "stderr"))
+    value, stderr = (
+        np.array([getattr(one.total, f) for one in light]) for f in ("value", "stderr")
+    )
     return value, stderr
