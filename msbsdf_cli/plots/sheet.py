@@ -8,7 +8,7 @@ from matplotlib.colors import BoundaryNorm
 
 from msbsdf_cli.experiments.recommend.candidates import ORDERS
 from msbsdf_cli.plots.recommendation import SHORT
-from msbsdf_cli.plots.style import panels, save
+from msbsdf_cli.plots.style import COLOURS, panels, save
 
 MOST = 7
 """Bounces with a shade of their own."""
@@ -26,30 +26,38 @@ TITLE = (
 def draw_sheet(entries: list[Any], path: Path) -> None:
     """A map over roughness and angle for each material and slope distribution (columns) and each
     tolerance (rows); the number in a cell is that of bounces. In the last row, how far the model
-    itself is from traced surfaces."""
+    itself is from traced surfaces, and how to read it all."""
     kinds = list(dict.fromkeys((e.material, e.slopes) for e in entries))
     tolerances = list(dict.fromkeys(e.tolerance for e in entries))
-    figure, axes = panels(len(tolerances) + 1, [2.5] * len(kinds), 1.8, (0.3, 0.6))
+    figure, axes = panels(len(tolerances) + 1, [2.5] * len(kinds), 1.8, (0.3, 0.55))
     for column, kind in enumerate(kinds):
         mine = [e for e in entries if (e.material, e.slopes) == kind]
         name = f"{KINDS[kind[0]]}, {NAMES[kind[1]]}"
         for axis, tolerance in zip(axes[:-1, column], tolerances, strict=True):
             _bounces(axis, [e for e in mine if e.tolerance == tolerance])
             axis.set_title(f"{name}: within {100 * tolerance:g} %")
-        _floor(axes[-1, column], [e for e in mine if e.tolerance == tolerances[0]], name)
+        traced = _floor(axes[-1, column], [e for e in mine if e.tolerance == tolerances[0]], name)
+        axes[-1 if traced else -2, column].set_xlabel("alpha; below it its root", fontsize=7)
     for axis in axes[:, 0]:
         axis.set_ylabel("angle of incidence, degrees")
-    figure.suptitle(TITLE, fontsize=11, x=0.01, y=0.995, ha="left", va="top")
-    figure.text(0.01, 0.972, LEGEND, fontsize=7.5, ha="left", va="top")
+    free = [axis for axis in axes[-1] if not axis.axison]
+    if free:
+        free[0].text(0, 0.98, LEGEND, fontsize=7.5, ha="left", va="top", linespacing=1.35)
+    figure.suptitle(TITLE, fontsize=12, x=0.01, y=0.99, ha="left", va="top")
     save(figure, path)
 
 
-LEGEND = (
-    "Number: bounces that are enough.  T, K: a single bounce with Turquin's or Kulla and Conty's "
-    "compensation is enough too, and cheaper.  Struck out: the Smith model itself is further than "
-    "the tolerance from traced surfaces, so that bounces buy nothing there; the last row says how "
-    "far (surfaces have Beckmann slopes)."
-)
+LEGEND = """Number: bounces that are enough.
+T, K: so is, and cheaper, a single bounce with
+the compensation of Turquin, or of Kulla and Conty.
+Corner: the Smith model itself is further than the
+tolerance from traced surfaces: more bounces
+bring nothing nearer to them. How far it is, the
+panels of this row say; < is what noise allows.
+Only surfaces of Beckmann slopes are traced.
+The root of alpha is the perceptual roughness,
+by which many renderers go."""
+CORNER = COLOURS[1]
 
 
 def _bounces(axis: Any, entries: list[Any]) -> None:
@@ -67,15 +75,16 @@ def _bounces(axis: Any, entries: list[Any]) -> None:
             number += SHORT[e.instead][0]
         axis.text(j, i, number, ha="center", va="center", fontsize=6, color=dark)
         if e.of_use != "":
-            axis.plot([j - 0.42, j + 0.42], [i - 0.4, i + 0.4], color=dark, lw=0.6)
+            corner = [(j + 0.5, i + 0.5), (j + 0.15, i + 0.5), (j + 0.5, i + 0.05)]
+            axis.add_patch(Polygon(corner, facecolor=CORNER, edgecolor="white", lw=0.4))
 
 
-def _floor(axis: Any, entries: list[Any], name: str) -> None:
-    """The distance from surfaces in percent, or that none were traced."""
+def _floor(axis: Any, entries: list[Any], name: str) -> bool:
+    """The distance from surfaces in percent; whether any were traced."""
     known = [e for e in entries if e.smith_from_surfaces == e.smith_from_surfaces]
     if not known:
         axis.set_axis_off()
-        return
+        return False
     alphas, thetas, place = _grid(axis, entries)
     values = np.full((len(thetas), len(alphas)), np.nan)
     for e in known:
@@ -83,11 +92,13 @@ def _floor(axis: Any, entries: list[Any], name: str) -> None:
     axis.imshow(values, cmap="Greys", vmin=0, vmax=15, origin="lower", aspect="auto")
     for e in known:
         i, j = place(e)
-        sure = e.smith_from_surfaces > 2 * e.smith_from_surfaces_stderr
-        text = f"{values[i, j]:.2g}" if sure else "<" + f"{200 * e.smith_from_surfaces_stderr:.1g}"
+        noise = 200 * e.smith_from_surfaces_stderr
+        sure = values[i, j] > noise
+        text = f"{values[i, j]:.1f}" if sure else f"<{values[i, j] + noise:.1f}"
         colour = "white" if values[i, j] > 8 else "black"
         axis.text(j, i, text, ha="center", va="center", fontsize=5.5, color=colour)
     axis.set_title(f"{name}: model from surfaces, %")
+    return True
 
 
 def _grid(axis: Any, entries: list[Any]) -> tuple[list[float], list[float], Any]:
@@ -97,5 +108,4 @@ def _grid(axis: Any, entries: list[Any]) -> tuple[list[float], list[float], Any]
     names = [f"{a:.2g}\n{np.sqrt(a):.2f}".replace("0.", ".") for a in alphas]
     axis.set_xticks(range(len(alphas)), names, fontsize=6)
     axis.set_yticks(range(len(thetas)), [f"{np.degrees(t):.0f}" for t in thetas])
-    axis.set_xlabel("alpha; below it perceptual roughness, its root", fontsize=6.5)
     return alphas, thetas, lambda e: (thetas.index(e.theta_i_rad), alphas.index(e.alpha))

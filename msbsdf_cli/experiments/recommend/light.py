@@ -2,6 +2,7 @@
 replace its later bounces, and as traced on explicit surfaces."""
 
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,15 +11,18 @@ from msbsdf_cli.experiments import realisations
 from msbsdf_cli.experiments.method_lobes import bins, places
 from msbsdf_cli.experiments.resolution import LEAST_REALISATIONS, plan
 from msbsdf_cli.experiments.walks import walk
+from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.run.executors import Workers
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, merge_sides
 from msbsdf_cli.statistics.distances import Histogram
 from msbsdf_cli.statistics.tally import Estimate
 from surfaces.facet import Array
+from surfaces.materials import Material
 from surfaces.streams import stream
 
 MAX_ORDER = 10_000
@@ -73,13 +77,19 @@ def replaced(method: str, scene: Scene) -> list[list[tuple[Array, float]]]:
     that is off tells the error of adding them up."""
     wo, solid_angle = bins(scene.material.transmits, places(scene))
     flat = wo.transpose(1, 0, 2).reshape(3, -1)
-    bsdf = METHODS[method](scene.slopes, scene.material, 1)
+    bsdf = _made(method, scene.slopes, scene.material)
     found = []
     for theta in scene.theta:
         value = bsdf.evaluate(scene.wi(theta), flat, 0, stream(0, "without noise")).value
         energy = value.reshape(*value.shape[:2], *wo[:, 0].shape).mean(axis=2) * solid_angle
         found.append([(_merged(later), float(first.sum())) for first, later in energy])
     return found
+
+
+@lru_cache(maxsize=2)
+def _made(method: str, slopes: Slopes, material: Material) -> Method:
+    """Tables of one roughness serve all its directions."""
+    return METHODS[method](slopes, material, 1)
 
 
 def _channels(scene: Scene) -> list[Scene]:
