@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm
+from matplotlib.patches import Polygon
 
 from msbsdf_cli.experiments.recommend.candidates import ORDERS
 from msbsdf_cli.plots.recommendation import SHORT
