@@ -101,6 +101,14 @@ def write_sheet(options: dict[str, Any]) -> None:
     from msbsdf_cli.results.files import columns
 
     report = Report("recommend", "sheet", options)
+    given = click.get_current_context().get_parameter_source
+    report.warn(
+        [
+            f"--{name.replace('_', '-')} has no effect without a SCENE: the sheet is one for all."
+            for name in ("against", "tolerance", "colour_tolerance", "samples", "seed")
+            if given(name) is click.core.ParameterSource.COMMANDLINE
+        ]
+    )
     with report.draft() as draft:
         entries = sheet(options["threads"], options["quiet"])
         table = columns(entries, (f.name for f in fields(Entry)))

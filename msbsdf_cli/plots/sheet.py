@@ -43,21 +43,23 @@ def draw_sheet(entries: list[Any], path: Path) -> None:
         axis.set_ylabel("angle of incidence, degrees")
     free = [axis for axis in axes[-1] if not axis.axison]
     if free:
-        free[0].text(0, 0.98, LEGEND, fontsize=7.5, ha="left", va="top", linespacing=1.35)
+        free[0].text(0, 0.98, LEGEND, fontsize=7.2, ha="left", va="top", linespacing=1.35)
     figure.suptitle(TITLE, fontsize=12, x=0.01, y=0.99, ha="left", va="top")
     save(figure, path)
 
 
 LEGEND = """Number: bounces that are enough.
 T, K: so is, and cheaper, a single bounce with
-the compensation of Turquin, or of Kulla and Conty.
-Corner: the Smith model itself is further than the
-tolerance from traced surfaces: more bounces
-bring nothing nearer to them. How far it is, the
-panels of this row say; < is what noise allows.
-Only surfaces of Beckmann slopes are traced.
-The root of alpha is the perceptual roughness,
-by which many renderers go."""
+Turquin's or Kulla and Conty's compensation.
+Orange corner: the Smith model itself is further
+than the tolerance from traced surfaces; more
+bounces come no nearer to them. How far it is,
+this row says; < is as much as noise allows.
+Surfaces have Beckmann slopes.
+The root of alpha is the perceptual roughness
+of many renderers."""
+"""How to read it."""
+
 CORNER = COLOURS[1]
 
 

@@ -27,8 +27,8 @@ def mirror():
 
 def test_the_floor_is_the_distance_that_another_simulation_finds(mirror):
     """One field and its pieces, where the recommendation has many surfaces and regression."""
-    field = ms.HeightField.random(alpha=1.0, seed=5)
-    truth = ms.simulate(field, Conductor(), ms.direction(0.0), rays=200_000)
+    field = ms.HeightField.random(alpha=1.0, seed=5, extent=32)
+    truth = ms.simulate(field, Conductor(), ms.direction(0.0), rays=300_000)
     rows = ms.compare(truth, ms.walk(ms.Smith(ROUGH, Conductor()), ms.direction(0.0), 400_000))
     (row,) = np.flatnonzero(
         (rows["quantity"] == "total_variation")
@@ -41,7 +41,7 @@ def test_the_floor_is_the_distance_that_another_simulation_finds(mirror):
     assert floor.error == pytest.approx(rows["own"][row], abs=off)
     # Known beforehand from much longer runs: 4.5 % (alpha 1, normal incidence).
     assert 0.03 < floor.error < 0.06 < 3 * floor.error
-    assert off < 0.02
+    assert off < 0.03
 
 
 def test_no_number_of_bounces_beats_the_floor(mirror):
