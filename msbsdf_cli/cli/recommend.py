@@ -50,6 +50,7 @@ def command(**options: Any) -> None:
     if options["scene"] is None:
         write_sheet(options)
         return
+    from msbsdf_cli.cli.recommend_words import sentence
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.recommend.choice import Wanted
     from msbsdf_cli.experiments.recommend.scene_file import SceneFileError, read_scene
@@ -119,6 +120,7 @@ def write_sheet(options: dict[str, Any]) -> None:
 
 def show_sheet(entries: list[Any]) -> None:
     """Print the most bounces that any roughness and angle of a kind needs."""
+    from msbsdf_cli.cli.recommend_words import percent
     from msbsdf_cli.cli.terminal import show_table
 
     tolerances = list(dict.fromkeys(e.tolerance for e in entries))
@@ -129,7 +131,7 @@ def show_sheet(entries: list[Any]) -> None:
         row[k] = max(row[k], e.bounces)
     click.echo("The most bounces that any roughness and angle needs:")
     lines = [(*kind, *map(str, row)) for kind, row in most.items()]
-    show_table(("material", "slopes", *(_percent(t) for t in tolerances)), lines)
+    show_table(("material", "slopes", *(percent(t) for t in tolerances)), lines)
 
 
 def time_warnings(surfaces: list[Any], options: dict[str, Any]) -> list[str]:
@@ -183,78 +185,3 @@ def rows(found: list[Any], wanted: Any) -> list[Any]:
             values = (*what, *judged, *marks, *more)
             lines.append(SimpleNamespace(**dict(zip(COLUMNS, values, strict=True))))
     return lines
-
-
-def sentence(found: Any, wanted: Any) -> str:
-    """What a surface needs, in words."""
-    name, chosen = found.surface.name, found.chosen
-    if chosen is None:
-        return f"{name} is not judged: {found.reason}."
-    pairs = list(zip(found.candidates, found.verdicts, strict=True))
-    text = f"{name} ({roughness(found.surface)}): "
-    if ("nearest" in found.verdicts) and chosen.bound > wanted.tolerance:
-        return text + beyond(found, wanted)
-    text += model(chosen) + (" is enough" if chosen.bounces == 1 else "")
-    if chosen.error > 0:
-        # Where single scattering's bound was enough, nothing else was worked out.
-        most = "at most " if found.bound_only else ""
-        text += f", {most}{off(chosen)}"
-    close = [model(c) for c, verdict in pairs if verdict == "close"]
-    return text + (f"; too close to call: {', '.join(close)}." if close else ".")
-
-
-def beyond(found: Any, wanted: Any) -> str:
-    """Why nothing is known to be within the tolerance, and what comes as near as anything."""
-    chosen = found.chosen
-    smith = [c for c in found.candidates if c.bounces or c.follows_all]
-    nearest = min(smith, key=lambda c: c.error)
-    near = f"{model(chosen)} {'comes' if chosen.bounces in (0, 1) else 'come'} as near as anything"
-    near += f", {off(chosen)}"
-    if min(c.least for c in smith) > wanted.tolerance:
-        return (
-            f"no number of bounces of the Smith model gets below {_percent(nearest.error)}: the "
-            f"model itself is off by that from traced surfaces; {near}."
-        )
-    return (
-        f"nothing is known to be within {_percent(wanted.tolerance)}: the Smith model itself is "
-        f"off from traced surfaces by {_percent(nearest.error)}, or up to "
-        f"{_percent(nearest.bound)}, which more --samples tell; {near}."
-    )
-
-
-def off(candidate: Any) -> str:
-    """How far a candidate is off, and where; the colour difference where there is a colour."""
-    where = f" at {math.degrees(candidate.place.theta):.0f} degrees"
-    if candidate.place.alpha[0] != candidate.place.alpha[1]:
-        where += f" and azimuth {math.degrees(candidate.place.phi):.0f}"
-    colour = candidate.colour
-    return (
-        _percent(candidate.error)
-        + where
-        + (f", colour difference {colour:.2g}" if colour == colour else "")
-    )
-
-
-def model(candidate: Any) -> str:
-    """A candidate in words."""
-    if candidate.bounces == 1:
-        return "single scattering"
-    if candidate.method in ("turquin", "energy-compensated"):
-        return f"{candidate.method}"
-    if candidate.bounces == 0:
-        return f"all bounces of {candidate.method}"
-    return f"{candidate.bounces} bounces of {candidate.method}"
-
-
-def roughness(surface: Any) -> str:
-    """Alpha, and what renderers that square it call roughness."""
-    ends = surface.slopes[0], surface.slopes[-1]
-    pairs = dict.fromkeys((s.alpha_x, s.alpha_y) for s in ends)
-    alphas = list(dict.fromkeys(a for pair in pairs for a in pair))
-    joined = " to " if len(pairs) > 1 else ", "
-    perceptual = joined.join(f"{math.sqrt(a):.3g}" for a in alphas)
-    return f"alpha {joined.join(f'{a:.3g}' for a in alphas)}, perceptual {perceptual}"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm
 from matplotlib.patches import Polygon
 
-from msbsdf_cli.experiments.recommend.candidates import ORDERS
+from msbsdf_cli.experiments.recommend.cases import ORDERS
 from msbsdf_cli.plots.recommendation import SHORT
 from msbsdf_cli.plots.style import COLOURS, panels, save
 

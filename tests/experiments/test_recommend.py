@@ -8,11 +8,11 @@ from msbsdf_cli.experiments.recommend import sheet
 from msbsdf_cli.experiments.recommend.apart import Apart, Place
 from msbsdf_cli.experiments.recommend.candidates import (
     Candidate,
-    cases,
     compensated,
     single_bound,
     truncated,
 )
+from msbsdf_cli.experiments.recommend.cases import cases
 from msbsdf_cli.experiments.recommend.choice import (
     CHOSEN,
     CLOSE,

@@ -6,7 +6,6 @@ first, as energy compensation does, is off where its lobe of them lies elsewhere
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -18,21 +17,23 @@ from msbsdf_cli.experiments.recommend.apart import (
     by_lobe,
     over,
 )
+from msbsdf_cli.experiments.recommend.cases import (
+    ORDERS,
+    Case,
+    all_hold,
+    facets,
+    scenes,
+    walk_of,
+)
 from msbsdf_cli.experiments.recommend.light import replaced, walked
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
 from msbsdf_cli.methods.registry import holds
-from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.methods.solver.size import energy_seconds
-from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.albedo import first_order_albedo
-from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.statistics.colour import MOST_OF_RELATIVE
 from msbsdf_cli.statistics.distances import Histogram
 from surfaces.facet import Array
 from surfaces.materials import Material
-
-ORDERS = 10
-"""Most bounces that are told apart."""
 
 WALKS = 1_000_000
 """From each angle, for lobes of several bounces: a total variation is known to .001 of all light
@@ -88,67 +89,6 @@ class Candidate:
         return cls(method, bounces, facets, worst.error(scale), bound, worst.place, *most)
 
 
-@dataclass(frozen=True)
-class Case:
-    """A surface at one roughness, from one direction, and the light that it sends back there."""
-
-    scene: Scene
-    """Of one angle."""
-    energy: Array
-    """Of each order, 1 to `ORDERS` and all later ones, (channels, orders + 1)."""
-    known: Array
-    """Error of their sum (channels,)."""
-
-    @property
-    def total(self) -> Array:
-        """Energy (channels,) that leaves."""
-        return np.asarray(self.energy.sum(axis=1))
-
-    @property
-    def later(self) -> Array:
-        """Share (orders + 1,) that is still to come after 1, 2, ... facets, in the channel that
-        bounces most."""
-        shares = over(self.energy, self.total[:, None])
-        channel = int(np.argmin(np.where(self.total > 0, shares[:, 0], 1)))
-        return np.maximum(shares[channel].sum() - np.cumsum(shares[channel]), 0)
-
-    @property
-    def place(self) -> Place:
-        """Direction and roughness."""
-        return Place(self.scene.theta[0], self.scene.phi, self.scene.alpha)
-
-
-def cases(surface: SceneSurface) -> list[Case]:
-    """All roughnesses and directions of a surface, solved. Raises UnsupportedError where `solve`
-    does not hold, and ArithmeticError where it comes to no end."""
-    return [_case(scene, theta) for scene in scenes(surface) for theta in scene.theta]
-
-
-def scenes(surface: SceneSurface) -> list[Scene]:
-    """A scene for each roughness and azimuth: surfaces of two roughnesses are seen along both."""
-    found = []
-    for slopes in surface.slopes:
-        azimuths = (0.0,) if slopes.alpha_x == slopes.alpha_y else (0.0, math.pi / 2)
-        found += [Scene(surface.material, slopes, surface.theta, a, ORDERS) for a in azimuths]
-    return found
-
-
-@lru_cache(maxsize=1)
-def _solved(slopes: Slopes, material: Material) -> Solve:
-    """The equation of one roughness serves all its directions."""
-    return Solve(slopes, material, ORDERS)
-
-
-def _case(scene: Scene, theta: float) -> Case:
-    energy = _solved(scene.slopes, scene.material).energy(scene.wi(theta))
-    return Case(one_angle(scene, theta), energy.reflected + energy.transmitted, energy.error.sum(1))
-
-
-def one_angle(scene: Scene, theta: float) -> Scene:
-    """The scene from one of its angles alone."""
-    return Scene(scene.material, scene.slopes, (theta,), scene.phi, scene.orders)
-
-
 def seconds(surface: SceneSurface) -> float:
     """About how many seconds one core needs at most, where the bound does not end it before."""
     found = 0.0
@@ -189,17 +129,6 @@ def _least_over_most(material: Material) -> float:
     return float((reflected.min(axis=1) / reflected.max(axis=1) ** 2).min())
 
 
-def walk_of(solved: list[Case]) -> str:
-    """The method that follows bounces one by one at the least cost."""
-    return "exact" if _all_hold("exact", solved) else "walk"
-
-
-def facets(solved: list[Case]) -> Array:
-    """Met in the mean by paths that are ended after 1, 2, ... `ORDERS` bounces, and by all."""
-    # A path meets one facet more unless it has left before.
-    return np.append(1.0, 1 + np.cumsum(np.max([case.later for case in solved], axis=0)))
-
-
 def truncated(solved: list[Case], scale: float) -> list[Candidate]:
     """Models of 1, 2, ... bounces, and of all of them, against that of all."""
     name, cost, found = walk_of(solved), facets(solved), []
@@ -220,7 +149,7 @@ def truncated(solved: list[Case], scale: float) -> list[Candidate]:
 
 def compensated(solved: list[Case], scale: float, seed: int) -> list[Candidate]:
     """Models that replace all bounces but the first, which meet one facet."""
-    names = [name for name in COMPENSATED if _all_hold(name, solved)]
+    names = [name for name in COMPENSATED if all_hold(name, solved)]
     apart: dict[str, list[Apart]] = {name: [] for name in names}
     for case in solved if names else ():
         for name, found in compensation_apart(case, names, WALKS, seed).items():
@@ -256,7 +185,3 @@ def doubt(first: Array, mine: list[tuple[Array, float]]) -> Array:
 
 def _without_noise(bins: Array) -> Histogram:
     return Histogram(bins, np.zeros_like(bins))
-
-
-def _all_hold(method: str, solved: list[Case]) -> bool:
-    return all(holds(method, case.scene.slopes, case.scene.material) for case in solved)

@@ -6,11 +6,11 @@ from functools import partial
 
 from msbsdf_cli.experiments.recommend.candidates import (
     Candidate,
-    cases,
     compensated,
     single_bound,
     truncated,
 )
+from msbsdf_cli.experiments.recommend.cases import cases
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
 from msbsdf_cli.experiments.recommend.surfaces import against_surfaces
 from msbsdf_cli.methods.protocol import UnsupportedError

@@ -3,12 +3,10 @@
 import numpy as np
 
 from msbsdf_cli.experiments.recommend.apart import Apart, by_lobe
-from msbsdf_cli.experiments.recommend.candidates import (
-    COMPENSATED,
+from msbsdf_cli.experiments.recommend.candidates import COMPENSATED, Candidate, doubt
+from msbsdf_cli.experiments.recommend.cases import (
     ORDERS,
-    Candidate,
     Case,
-    doubt,
     facets,
     one_angle,
     scenes,
