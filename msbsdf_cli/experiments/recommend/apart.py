@@ -43,7 +43,7 @@ class Apart:
     albedo: float
     lobe: float
     bound: float
-    """Of both: the larger is not known to be below, but to be no larger."""
+    """Of both: as far as known, neither is larger."""
     colour: float = math.nan
     """Colour difference; not a number where there is no colour."""
     colour_bound: float = math.nan
