@@ -14,7 +14,7 @@ from surfaces.materials import Conductor, Diffuse
 ROUGH = ms.Beckmann(1.0, 1.0)
 
 
-def judged(material, slopes, rays=60_000, theta=(0.0,)):
+def judged(material, slopes, rays=150_000, theta=(0.0,)):
     it = SceneSurface("it", material, (slopes,), theta)
     (found,) = recommend_by_surfaces([it], Wanted(0.01), rays, 0, 1, True)
     return found
