@@ -19,7 +19,7 @@ MARKS = {
 }
 """Marker, colour and words of a verdict."""
 
-SHORT = {"energy-compensated": "Kulla-\nConty", "turquin": "Turquin"}
+SHORT = {"energy-compensated": "Kulla-Conty", "turquin": "Turquin"}
 """Methods by their authors, who have shorter names."""
 
 MOST_AFTER = 1
@@ -32,7 +32,7 @@ def draw_recommendations(found: list[Any], wanted: Any, against: str, path: Path
     judged = [r for r in found if r.candidates] or found[:1]
     columns = min(COLUMNS, len(judged))
     rows = -(-len(judged) // columns)
-    figure, axes = panels(rows, [2.9 if columns > 1 else 5.2] * columns, 1.9, (0.5, 0.95))
+    figure, axes = panels(rows, [3.3 if columns > 1 else 5.2] * columns, 1.9, (0.5, 0.85))
     for axis in axes.flat[len(judged) :]:
         axis.set_axis_off()
     for axis, r in zip(axes.flat, judged, strict=False):
@@ -43,7 +43,7 @@ def draw_recommendations(found: list[Any], wanted: Any, against: str, path: Path
     for axis in axes.flat:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
-    figure.legend(handles.values(), handles.keys(), loc="upper left", ncols=min(3, columns + 1))
+    figure.legend(handles.values(), handles.keys(), loc="upper left", ncols=min(4, columns + 1))
     save(figure, path)
 
 
@@ -63,16 +63,10 @@ def _panel(axis: Any, recommendation: Any, tolerance: float, against: str) -> No
     axis.set_ylim(100 * floor / 1.5, 100)
     axis.yaxis.set_major_formatter("{x:g}")
     axis.set_xlim(-0.5, len(shown) - 0.5)
-    names = [f"{_name(c)}\n{c.facets:.3g}" for c, _ in shown]
+    names = [f"{SHORT.get(c.method, str(c.bounces or 'all'))}\n{c.facets:.3g}" for c, _ in shown]
     axis.set_xticks(range(len(shown)), names, fontsize=6)
     axis.set_title(recommendation.surface.name)
     axis.set_xlabel("bounces or method; facets met in the mean")
-
-
-def _name(candidate: Any) -> str:
-    return SHORT.get(candidate.method, f"{candidate.bounces or 'all'}") + (
-        "" if candidate.method == "energy-compensated" else "\n"
-    )
 
 
 def _shown(recommendation: Any) -> list[tuple[Any, str]]:

@@ -301,6 +301,10 @@ def test_the_sheet_says_where_more_is_pointless_and_what_is_cheaper(tmp_path):
     # What two bounces leave, .8 %, is less than 2 %; one leaves 12 %.
     assert found[1.0, 0.001].bounces == 3
     assert [found[1.0, t].instead for t in (0.1, 0.01)] == ["turquin", ""]
+    # Known to 2 x 2 % only, it says nothing of pointless.
+    row = [Apart(place, 0.0, 0.02, 0.06) for _ in sheet.TRACED_THETAS_DEG]
+    doubtful = sheet.entries(it, sheet.Floor.of([row for _ in sheet.TRACED_ALPHAS]))
+    assert {e.of_use for e in doubtful} == {""}
     smooth = SceneSurface("conductor", Conductor(), (ms.Beckmann(0.05, 0.05),), (0.0,))
     assert np.isnan(sheet.entries(smooth, floor)[0].smith_from_surfaces), "none were traced there"
     draw_sheet([*found.values(), *sheet.entries(smooth)], tmp_path / "sheet.png")
