@@ -32,7 +32,7 @@ WALKS = 200_000
 of all light or better."""
 
 TRACED_ALPHAS = (0.1, 0.3, 0.6, 1.0)
-TRACED_THETAS_DEG = (0, 30, 60, 85)
+TRACED_THETAS_DEG = (0, 30, 60, 75, 85)
 RAYS = 300_000
 """Where surfaces are traced, and rays from each angle; between these the distance of the model from
 them is interpolated, over the logarithm of roughness."""
