@@ -3,6 +3,7 @@
 Expected figures are those that Mitsuba 3.9.1 shows of the same plugins.
 """
 
+import numpy as np
 import pytest
 
 import msbsdf_cli as ms
@@ -64,6 +65,70 @@ def test_glass_of_two_roughnesses_in_water(tmp_path):
     assert found.slopes == (ms.Ggx(0.2, 0.4),)
 
 
+def principled(entries):
+    return f'<bsdf type="principled" id="p">{entries}</bsdf>'
+
+
+METAL = '<float name="metallic" value="1"/>'
+GLASS = '<float name="spec_trans" value="1"/>'
+WHITE = '<rgb name="base_color" value="1"/>'
+
+
+def test_principled_metals(tmp_path):
+    """Reflectances by Schlick's formula: at normal incidence, half way and grazing."""
+    colour = '<rgb name="base_color" value="0.9, 0.5, 0"/>'
+    rough = '<float name="roughness" value="0.6"/><float name="anisotropic" value="0.5"/>'
+    found = only(tmp_path, principled(METAL + colour + rough))
+    aspect = 0.55**0.5
+    assert found.slopes == (ms.Ggx(0.36 / aspect, 0.36 * aspect),)
+    material = found.material
+    assert (material.name, material.channels, material.absorbs) == ("conductor", 3, True)
+    expected = [[0.9, 0.9 + 0.1 / 32, 1], [0.5, 0.5 + 0.5 / 32, 1], [0, 1 / 32, 1]]
+    cos_i = np.array([1, 0.5, 0])
+    np.testing.assert_allclose(material.reflectance(cos_i), expected, atol=1e-15)
+    assert only(tmp_path, principled(METAL + WHITE)).material == Conductor()
+    # Walks follow it as they follow any metal.
+    walked = ms.walk(ms.Smith(ms.Ggx(0.01, 0.01), material), ms.direction(0.0), 1000)
+    assert walked.energy.sum() == pytest.approx(0.9, abs=0.001)
+
+
+def test_principled_glass(tmp_path):
+    clear = only(tmp_path, principled(GLASS + WHITE + '<float name="eta" value="1.33"/>'))
+    assert (clear.material, clear.slopes) == (Dielectric(1.33), (ms.Ggx(0.25, 0.25),))
+    scene = read(tmp_path, principled(GLASS + '<float name="specular" value="0.5"/>'))
+    # Specular .5 is a reflectance of 4 %.
+    assert ((scene.surfaces[0].material.ior - 1) / (scene.surfaces[0].material.ior + 1)) ** 2 == (
+        pytest.approx(0.04)
+    )
+    assert scene.notes == [
+        "p is judged as clear glass: what its base_color takes on each way through is left out."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("entries", "reason"),
+    [
+        ("", "metallic 0 and spec_trans 0, a mixture"),
+        (
+            '<float name="metallic" value="0.5"/>' + GLASS,
+            "metallic 0.5 and spec_trans 1, a mixture",
+        ),
+        ('<texture name="metallic" type="bitmap"/>', "metallic is a texture"),
+        (METAL + '<float name="clearcoat" value="0.1"/>', "clearcoat is a second lobe"),
+        (METAL + '<float name="roughness" value="2"/>', "roughness is 2, not from 0 to 1"),
+        (METAL + '<texture name="base_color" type="bitmap"/>', "base_color is a texture"),
+        (METAL + '<rgb name="base_color" value="2"/>', "base_color is not from 0 to 1"),
+        (METAL + '<float name="eta" value="0.5"/>', "eta is below 1"),
+        (GLASS + '<float name="spec_tint" value="0.1"/>', "spec_tint is not of glass"),
+        (GLASS + '<float name="eta" value="1"/>', "one index"),
+    ],
+)
+def test_principled_mixtures_are_left_out(tmp_path, entries, reason):
+    scene = read(tmp_path, principled(entries))
+    assert scene.surfaces == []
+    assert reason in scene.left_out[0][1]
+
+
 def test_wrapped_and_referenced_surfaces_variables_and_includes(tmp_path):
     (tmp_path / "parts").mkdir()
     part = '<default name="a" value="0.9"/><bsdf type="$kind" id="inner"/>'
@@ -89,7 +154,7 @@ def test_wrapped_and_referenced_surfaces_variables_and_includes(tmp_path):
     [
         ('<bsdf type="diffuse"/>', "no roughness"),
         ('<bsdf type="roughplastic"/>', "roughplastic is no"),
-        ('<bsdf type="principled"/>', "principled is no"),
+        ('<bsdf type="principled"/>', "mixture"),
         ('<bsdf type="twosided"/>', "holds no surface"),
         ('<bsdf type="twosided" id="a"><ref id="a"/></bsdf>', "refers to itself"),
         (

@@ -22,7 +22,7 @@ VALUES = st.recursive(SCALARS, lambda inner: st.lists(inner, max_size=3), max_le
 KEYS = st.sampled_from(
     (
         *("name", "material", "slopes", "gamma", "alpha", "alpha_x", "alpha_y", "metal", "eta_k"),
-        *("albedo", "ior", "angles_deg", "weight", "surface", "roughness", "other"),
+        *("albedo", "ior", "theta", "tolerance", "weight", "surface", "roughness", "other"),
     )
 )
 GOOD = {"name": "a", "material": "conductor", "alpha": 0.5}
@@ -77,6 +77,11 @@ ATTRIBUTES = st.dictionaries(
             [
                 "roughconductor",
                 "roughdielectric",
+                "principled",
+                "metallic",
+                "spec_trans",
+                "base_color",
+                "1",
                 "twosided",
                 "mask",
                 "alpha",

@@ -1,37 +1,46 @@
-"""How far cheaper models are from the Smith model of all bounces.
+"""Models that a surface may be shaded by, each with its error and its cost.
 
-An error is the larger of two, both over the light that a surface sends back: of the directional
-albedo, and the total variation of the lobe, half the sum of absolute differences over directions.
 A model that leaves out late bounces misses exactly their energy. One that replaces all but the
 first, as energy compensation does, is off where its lobe of them lies elsewhere.
 """
 
+import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
+from msbsdf_cli.experiments.recommend.apart import (
+    CHANNELS_OF_COLOUR,
+    Apart,
+    Place,
+    by_energy,
+    by_lobe,
+    over,
+)
+from msbsdf_cli.experiments.recommend.cases import (
+    ORDERS,
+    Case,
+    all_hold,
+    facets,
+    scenes,
+    walk_of,
+)
+from msbsdf_cli.experiments.recommend.light import replaced, walked
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
-from msbsdf_cli.methods.registry import METHODS, holds
-from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.methods.solver.size import energy_seconds, value_seconds
-from msbsdf_cli.scene import direction
+from msbsdf_cli.methods.registry import holds
+from msbsdf_cli.methods.solver.size import energy_seconds
 from msbsdf_cli.smith.albedo import first_order_albedo
-from msbsdf_cli.smith.slopes import Slopes
+from msbsdf_cli.statistics.colour import MOST_OF_RELATIVE
+from msbsdf_cli.statistics.distances import Histogram
 from surfaces.facet import Array
 from surfaces.materials import Material
-from surfaces.quadrature import hemisphere
-from surfaces.streams import stream
 
-ORDERS = 10
-"""Most bounces that are told apart."""
+WALKS = 1_000_000
+"""From each angle, for lobes of several bounces: a total variation is known to .001 of all light
+(mirror, alpha 0.8)."""
 
-LOBE_RESOLUTION = 0.6
-"""Of `solve` for lobes of several bounces, which are wide: right to a percent of them."""
-
-POLAR = 12, 8
-"""Polar angles in which lobes are compared, and twice as many azimuths; and fewer of them: the
-difference tells the error."""
+WALKS_PER_S = 2e6
+"""Of one core, or more."""
 
 BOUND_KNOWN = 1e-5
 """Error of first-order albedos by quadrature."""
@@ -42,7 +51,7 @@ COMPENSATED = ("turquin", "energy-compensated")
 
 @dataclass(frozen=True)
 class Candidate:
-    """A model, and its greatest error over the roughnesses, angles and channels of a surface."""
+    """A model, and its greatest errors over the roughnesses, angles and channels of a surface."""
 
     method: str
     bounces: int
@@ -50,160 +59,129 @@ class Candidate:
     facets: float
     """Met by a path in the mean, at the roughness where they are most: what it costs."""
     error: float
-    uncertainty: float
-    """Of the error, by the estimates of `solve` and of the sum over directions."""
-    theta: float
-    """Angle of the greatest error."""
-    alpha: tuple[float, float]
-    """Its roughness."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """A surface at one roughness, from one angle, and the light that it sends back there."""
-
-    slopes: Slopes
-    material: Material
-    theta: float
-    shares: Array
-    """Of each order, 1 to `ORDERS` and all later ones, in the channel that bounces most,
-    (orders + 1,)."""
-    known: float
-    """Error of their sum."""
-    total: Array
-    """Energy (channels,) that leaves."""
+    bound: float
+    """At most so large is the error, as far as known."""
+    place: Place
+    """Of the greatest error."""
+    albedo: float
+    lobe: float
+    colour: float
+    """Colour difference; not a number where there is no colour."""
 
     @property
-    def wi(self) -> Array:
-        """The incident direction (3,)."""
-        return direction(self.theta)
+    def least(self) -> float:
+        """At least so large is the error."""
+        return 2 * self.error - self.bound
 
     @property
-    def later(self) -> Array:
-        """Share (orders + 1,) that is still to come after 1, 2, ... facets."""
-        return np.maximum(1 - np.cumsum(self.shares), 0)
+    def follows_all(self) -> bool:
+        """Whether it is the Smith model itself, of all bounces."""
+        return self.bounces == 0 and self.method not in COMPENSATED
 
-    @property
-    def place(self) -> tuple[float, tuple[float, float]]:
-        """Angle and roughness."""
-        return self.theta, (self.slopes.alpha_x, self.slopes.alpha_y)
-
-
-def cases(surface: SceneSurface) -> list[Case]:
-    """All roughnesses and angles of a surface, solved. Raises UnsupportedError where `solve` does
-    not hold, and ArithmeticError where it comes to no end."""
-    return [_case(s, surface.material, t) for s in surface.slopes for t in surface.theta]
-
-
-@lru_cache(maxsize=1)
-def _solved(slopes: Slopes, material: Material, orders: int, resolution: float) -> Solve:
-    """The equation of one roughness serves all its angles."""
-    return Solve(slopes, material, orders, resolution)
-
-
-def _case(slopes: Slopes, material: Material, theta: float) -> Case:
-    energy = _solved(slopes, material, ORDERS, 1.0).energy(direction(theta))
-    each = energy.reflected + energy.transmitted
-    total = each.sum(axis=1)
-    shares = each / total[:, None]
-    channel = int(np.argmin(shares[:, 0]))
-    known = float(energy.error[channel].sum() / total[channel])
-    return Case(slopes, material, theta, shares[channel], known, total)
+    @classmethod
+    def of(
+        cls, method: str, bounces: int, facets: float, found: list[Apart], scale: float
+    ) -> "Candidate":
+        """From what is found at all places; a colour difference counts `scale` times."""
+        worst = max(found, key=lambda a: a.error(scale))
+        bound = max(a.most(scale) for a in found)
+        most = (max(getattr(a, name) for a in found) for name in ("albedo", "lobe", "colour"))
+        return cls(method, bounces, facets, worst.error(scale), bound, worst.place, *most)
 
 
 def seconds(surface: SceneSurface) -> float:
     """About how many seconds one core needs at most, where the bound does not end it before."""
-    material, each = surface.material, 0.0
-    for slopes in surface.slopes:
-        each += energy_seconds(slopes, material)
-        if any(holds(name, slopes, material) for name in COMPENSATED):
-            each += LOBE_RESOLUTION * value_seconds(slopes, material)
-    return each * len(surface.theta)
+    found = 0.0
+    for scene in scenes(surface):
+        methods = [m for m in COMPENSATED if holds(m, scene.slopes, scene.material)]
+        walks = WALKS / WALKS_PER_S * scene.material.channels * bool(methods)
+        # Of two roughnesses one solution serves all directions.
+        solved = energy_seconds(scene.slopes, scene.material)
+        one = scene.slopes.alpha_x == scene.slopes.alpha_y
+        found += solved * (len(scene.theta) if one else 0.5) + walks * len(scene.theta)
+    return found
 
 
-def single_bound(surface: SceneSurface) -> Candidate:
+def single_bound(surface: SceneSurface, scale: float) -> Candidate:
     """Single scattering, by what its closed form lacks of 1: an upper bound of its error.
 
     Without absorption later bounces return that share M of the light. Where a facet reflects from
     F_min to F_max, they return F_max^2 M at most, and the first one F_min (1 - M) at least.
     """
-    ratio, found = _most_over_least(surface.material), []
-    for slopes in surface.slopes:
-        wi = np.array([direction(t) for t in surface.theta]).T
-        missing = np.clip(1 - first_order_albedo(slopes, surface.material, wi), 0, 1)
-        share = ratio * missing / (ratio * missing + 1 - missing)
-        worst, alpha = int(np.argmax(share)), (slopes.alpha_x, slopes.alpha_y)
-        place = surface.theta[worst], alpha
-        found.append(Candidate("single", 1, 1.0, float(share[worst]), BOUND_KNOWN, *place))
-    return max(found, key=lambda c: c.error)
+    ratio, found = _least_over_most(surface.material), []
+    colour = MOST_OF_RELATIVE if surface.material.channels == CHANNELS_OF_COLOUR else math.nan
+    for scene in scenes(surface):
+        wi = np.array([scene.wi(t) for t in scene.theta]).T
+        missing = np.clip(1 - first_order_albedo(scene.slopes, scene.material, wi), 0, 1)
+        share = over(missing, missing + (1 - missing) * ratio)
+        for theta, most in zip(scene.theta, share.tolist(), strict=True):
+            known = most + BOUND_KNOWN
+            figures = most, most / 2, known, colour * most, colour * known
+            found.append(Apart(Place(theta, scene.phi, scene.alpha), *figures))
+    return Candidate.of("single", 1, 1.0, found, scale)
 
 
-def _most_over_least(material: Material) -> float:
-    """F_max^2 / F_min of the channel where it is greatest; of diffuse facets 1 bounds the same."""
+def _least_over_most(material: Material) -> float:
+    """F_min / F_max^2 of the channel where it is least; of diffuse facets 1 bounds the same."""
     if not material.specular or not material.absorbs:
         return 1.0
     reflected = material.reflectance(np.linspace(0, 1, 201))
-    return float((reflected.max(axis=1) ** 2 / reflected.min(axis=1)).max())
+    return float((reflected.min(axis=1) / reflected.max(axis=1) ** 2).min())
 
 
-def truncated(solved: list[Case]) -> list[Candidate]:
-    """Models of 1, 2, ... bounces, and of all of them."""
-    walk = "exact" if _all_hold("exact", solved) else "walk"
-    # A path meets one facet more unless it has left before.
-    facets = 1 + np.cumsum(np.max([case.later for case in solved], axis=0))
-    found = []
+def truncated(solved: list[Case], scale: float) -> list[Candidate]:
+    """Models of 1, 2, ... bounces, and of all of them, against that of all."""
+    name, cost, found = walk_of(solved), facets(solved), []
     for n in range(1, ORDERS + 1):
-        worst = max(solved, key=lambda case: case.later[n - 1])
-        name, cost = ("single", 1.0) if n == 1 else (walk, float(facets[n - 2]))
-        error = float(worst.later[n - 1])
-        found.append(Candidate(name, n, cost, error, worst.known, *worst.place))
-    return [*found, Candidate(walk, 0, float(facets[-1]), 0.0, 0.0, *solved[0].place)]
+        apart = [
+            by_energy(
+                case.place,
+                (case.energy[:, :n].sum(axis=1), np.zeros_like(case.known)),
+                (case.total, case.known),
+            )
+            for case in solved
+        ]
+        method = "single" if n == 1 else name
+        found.append(Candidate.of(method, n, float(cost[n - 1]), apart, scale))
+    nothing = [by_energy(c.place, (c.total, c.known * 0), (c.total, c.known * 0)) for c in solved]
+    return [*found, Candidate.of(name, 0, float(cost[-1]), nothing, scale)]
 
 
-def compensated(solved: list[Case]) -> list[Candidate]:
+def compensated(solved: list[Case], scale: float, seed: int) -> list[Candidate]:
     """Models that replace all bounces but the first, which meet one facet."""
-    names = [name for name in COMPENSATED if _all_hold(name, solved)]
-    worst: dict[str, tuple[float, float, Case]] = {}
-    # None can be further off than all the light that it replaces: the rest need no work.
-    for case in sorted(solved, key=lambda case: -case.later[0]):
-        wanted = [n for n in names if n not in worst or worst[n][0] < case.later[0]]
-        for name, (error, uncertainty) in _apart(case, wanted).items():
-            if name not in worst or worst[name][0] < error:
-                worst[name] = error, uncertainty, case
-    return [
-        Candidate(name, 0, 1.0, error, uncertainty, *case.place)
-        for name, (error, uncertainty, case) in worst.items()
-    ]
+    names = [name for name in COMPENSATED if all_hold(name, solved)]
+    apart: dict[str, list[Apart]] = {name: [] for name in names}
+    for case in solved if names else ():
+        for name, found in compensation_apart(case, names, WALKS, seed).items():
+            apart[name].append(found)
+    return [Candidate.of(name, 0, 1.0, apart[name], scale) for name in names]
 
 
-def _apart(case: Case, methods: list[str]) -> dict[str, tuple[float, float]]:
-    """Error of methods in one case, and its own error."""
-    if not methods:
-        return {}
-    truth = _solved(case.slopes, case.material, 1, LOBE_RESOLUTION)
-    rules = [_directions(n, case.material.transmits) for n in POLAR]
-    known = [truth.evaluate(case.wi, wo) for wo, _ in rules]
-    doubt = (known[0].stderr[:, 1] * rules[0][1]).sum(axis=1) / case.total / 2
+def compensation_apart(case: Case, names: list[str], walks: int, seed: int) -> dict[str, Apart]:
+    """How far methods are off in one case: their later bounces against those of walks."""
+    (light,) = walked(case.scene, walks, seed)
     found = {}
-    for name in methods:
-        method, values = METHODS[name](case.slopes, case.material, 1), []
-        for (wo, weight), light in zip(rules, known, strict=True):
-            rng = stream(0, "without noise")
-            mine = method.evaluate(case.wi, wo, 1, rng).value.sum(axis=1)
-            apart = (mine - light.value.sum(axis=1)) * weight
-            size = np.maximum(np.abs(apart).sum(axis=1) / 2, np.abs(apart.sum(axis=1)))
-            values.append(float((size / case.total).max()))
-        found[name] = values[0], abs(values[0] - values[1]) + float(doubt.max())
+    for name in names:
+        (mine,) = replaced(name, case.scene)
+        lobes = [
+            (_without_noise(m), one.orders(1), None)
+            for (m, _), one in zip(mine, light, strict=True)
+        ]
+        first = case.energy[:, 0]
+        added = np.array([m.sum() for m, _ in mine])
+        model = first + added, np.zeros_like(first)
+        off = doubt(first, mine)
+        found[name] = by_lobe(case.place, model, (case.total, case.known), lobes, off)
     return found
 
 
-def _all_hold(method: str, solved: list[Case]) -> bool:
-    return all(holds(method, case.slopes, case.material) for case in solved)
+def doubt(first: Array, mine: list[tuple[Array, float]]) -> Array:
+    """What adding up values in bins may have wrong of the energy (channels,) that a method puts in
+    the place of later bounces: the part that it has wrong of the first bounce."""
+    off = np.array([abs(seen - known) for (_, seen), known in zip(mine, first, strict=True)])
+    added = np.array([later.sum() for later, _ in mine])
+    return over(off, first) * added
 
 
-def _directions(polar: int, both_sides: bool) -> tuple[Array, Array]:
-    """Outgoing directions (3, n) and their solid angles (n,)."""
-    wo, weight = hemisphere(polar, 2 * polar)
-    if not both_sides:
-        return wo, weight
-    return np.concatenate([wo, wo * [[1], [1], [-1]]], axis=1), np.tile(weight, 2)
+def _without_noise(bins: Array) -> Histogram:
+    return Histogram(bins, np.zeros_like(bins))

@@ -2,8 +2,9 @@
 are seen."""
 
 import math
+import re
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,8 @@ import numpy as np
 from msbsdf_cli.smith.slopes import Slopes, distribution, parameters
 from surfaces.materials import NAMES, Material, material
 
-ANGLES_DEG = (0.0, 30.0, 60.0, 80.0)
-"""Angles that matter where the file does not say."""
+THETA = tuple(map(math.radians, (0.0, 30.0, 60.0, 80.0)))
+"""Angles of incidence that stand for all where the file does not say which matter."""
 
 TEXTURE_STEPS = 3
 """Roughnesses that stand for a range, evenly spaced in their logarithm."""
@@ -28,7 +29,7 @@ ROUGHNESS = {"alpha": 1, "perceptual": 2}
 """What a file may call roughness, by the power of it that is alpha."""
 
 COMMON = ("name", "material", "slopes", "gamma", "alpha", "alpha_x", "alpha_y")
-COMMON_TOO = ("angles_deg", "weight")
+COMMON_TOO = ("theta", "weight")
 
 
 class SceneFileError(ValueError):
@@ -52,9 +53,13 @@ class SceneSurface:
 class SceneFile:
     """What a file holds."""
 
-    surfaces: list[SceneSurface]
-    left_out: list[tuple[str, str]]
+    surfaces: list[SceneSurface] = field(default_factory=list)
+    left_out: list[tuple[str, str]] = field(default_factory=list)
     """Name of what cannot be judged, and why."""
+    notes: list[str] = field(default_factory=list)
+    """Sentences on what was read as something a little different."""
+    tolerance: float | None = None
+    """What the file asks for."""
 
 
 def read_scene(path: str | Path) -> SceneFile:
@@ -65,10 +70,10 @@ def read_scene(path: str | Path) -> SceneFile:
         from msbsdf_cli.experiments.recommend.mitsuba_scene import read_mitsuba
 
         return read_mitsuba(path)
-    return SceneFile(_read_toml(path), [])
+    return _read_toml(path)
 
 
-def _read_toml(path: Path) -> list[SceneSurface]:
+def _read_toml(path: Path) -> SceneFile:
     try:
         if path.stat().st_size > MOST_BYTES:
             raise SceneFileError(f"{path} is larger than {MOST_BYTES} bytes: no scene is.")
@@ -77,7 +82,7 @@ def _read_toml(path: Path) -> list[SceneSurface]:
         raise SceneFileError(f"{path} cannot be read: {error.strerror or error}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise SceneFileError(f"{path} is not TOML: {error}.") from None
-    known = {"roughness", "surface"}
+    known = {"roughness", "surface", "tolerance"}
     for key in content.keys() - known:
         raise SceneFileError(f"{path}: {key!r} is not known: {', '.join(sorted(known))} are.")
     kind, surfaces = content.get("roughness", "alpha"), content.get("surface", [])
@@ -85,20 +90,32 @@ def _read_toml(path: Path) -> list[SceneSurface]:
         raise SceneFileError(f"{path}: roughness is {kind!r}: one of {', '.join(ROUGHNESS)}.")
     if not isinstance(surfaces, list) or not surfaces:
         raise SceneFileError(f"{path} has no [[surface]].")
-    found = []
+    found = SceneFile(tolerance=_tolerance(path, content))
     for number, entries in enumerate(surfaces, 1):
         where = f"{path}, surface {number}"
         if not isinstance(entries, dict):
             raise SceneFileError(f"{where} is no table.")
         try:
-            found.append(_surface(entries, ROUGHNESS[kind]))
+            found.surfaces.append(_surface(entries, ROUGHNESS[kind]))
         except (ValueError, OverflowError) as error:
             raise SceneFileError(f"{where}: {error}") from None
-    names = [surface.name for surface in found]
+    names = [surface.name for surface in found.surfaces]
     for name in names:
         if names.count(name) > 1:
             raise SceneFileError(f"{path}: two surfaces are called {name!r}.")
     return found
+
+
+def _tolerance(path: Path, content: dict[str, Any]) -> float | None:
+    if "tolerance" not in content:
+        return None
+    try:
+        tolerance = _number(content["tolerance"], "tolerance")
+    except ValueError as error:
+        raise SceneFileError(f"{path}: {error}") from None
+    if not 0 < tolerance < 1:
+        raise SceneFileError(f"{path}: tolerance is {tolerance:g}: from 0 to 1 is wanted.")
+    return tolerance
 
 
 def _surface(entries: dict[str, Any], power: int) -> SceneSurface:
@@ -111,16 +128,30 @@ def _surface(entries: dict[str, Any], power: int) -> SceneSurface:
     taken = {*COMMON, *COMMON_TOO, *kind.options} - {"rgb"}
     for key in entries.keys() - taken:
         raise ValueError(f"{key!r} is not known of {entries['material']}: {_listed(taken)} are.")
-    angles = _numbers(entries.get("angles_deg", ANGLES_DEG), "angles_deg")
-    for angle in angles:
-        if not 0 <= angle < 90:
-            raise ValueError(f"an angle is {angle:g} degrees: from 0 to below 90 are wanted.")
+    theta = _angles(entries["theta"]) if "theta" in entries else THETA
     weight = _number(entries.get("weight", 1.0), "weight")
     if not 0 < weight < math.inf:
         raise ValueError(f"weight is {weight:g}: a finite number above 0 is wanted.")
     slopes = _slopes(entries, power)
-    theta = tuple(math.radians(angle) for angle in angles)
     return SceneSurface(entries["name"], _material(entries, kind), slopes, theta, weight)
+
+
+def _angles(value: Any) -> tuple[float, ...]:
+    """Angles in radians, from numbers, and texts such as "60deg"."""
+    found = []
+    for angle in value if isinstance(value, list) else [value]:
+        text = re.fullmatch(r"\s*([-+.e\d]+)\s*deg\s*", angle) if isinstance(angle, str) else None
+        try:
+            radians = math.radians(float(text[1])) if text else _number(angle, "theta")
+        except ValueError:
+            wanted = 'radians, or a text such as "60deg", are wanted'
+            raise ValueError(f"theta has {angle!r}: {wanted}.") from None
+        if not 0 <= radians < math.pi / 2:
+            raise ValueError(f"theta has {angle!r}: from 0 to below 90 degrees is wanted.")
+        found.append(radians)
+    if not found:
+        raise ValueError("theta is empty.")
+    return tuple(found)
 
 
 def _material(entries: dict[str, Any], kind: type[Any]) -> Material:
