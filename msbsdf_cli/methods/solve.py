@@ -203,5 +203,6 @@ def _answering_for(missing: Array, error: Array) -> Array:
 def solution(
     slopes: Slopes, material: Material, orders: int, resolution: float
 ) -> OpaqueSolution | DielectricSolution:
+    """All orders but the first, at one resolution."""
     kind = DielectricSolution if material.transmits else OpaqueSolution
     return kind(slopes, material, orders, resolution)
