@@ -55,8 +55,12 @@ def command(**options: Any) -> None:
         table = tabulate.make_table(scene.slopes, scene.material, *work)
         errors, known = tabulate.table_error(table, options["threads"])
         files.write_table(draft / "bsdf.npz", table, errors, known)
+        summary = accuracy(errors, known)
         if not scene.material.transmits and table.nodes.incident == 1:
-            measured.write_measured(draft / "measured.bsdf", table)
+            fields = measured.measurements(table)
+            measured.write_tensors(draft / "measured.bsdf", fields)
+            worse = measured.measured_error(table, fields)
+            summary += f" measured.bsdf is {off(worse)}, from that."
         directional, mean = albedos.albedos(scene.slopes)
         np.savez(draft / "albedo.npz", directional=directional, mean=mean)
         header = files.c_header(scene.slopes.name, directional, mean)
@@ -64,15 +68,18 @@ def command(**options: Any) -> None:
         if options["exr"]:
             both = np.stack(np.broadcast_arrays(directional, mean[:, None]), axis=-1)
             write_exr(draft / "albedo.exr", both, ("directional", "mean"))
-        summary = accuracy(errors, known)
         report.write(draft, {}, 0, more={"summary": summary})
     report.end(lambda: click.echo(summary))
 
 
+def off(errors: Any) -> str:
+    """How large errors are, in words."""
+    return f"off by {errors.max():.1g} of the BSDF at most, in the mean by {errors.mean():.1g}"
+
+
 def accuracy(errors: Any, known: Any) -> str:
     """How far the table is off, and what it was made from where that is not better known."""
-    off = f"off by {errors.max():.1g} of the BSDF at most, in the mean by {errors.mean():.1g}"
-    text = f"Up to theta 1.4 the table is {off}."
+    text = f"Up to theta 1.4 the table is {off(errors)}."
     if known.mean() < errors.mean():
         return text
     doubt = f"to {known.max():.1g} at worst, {known.mean():.1g} in the mean"

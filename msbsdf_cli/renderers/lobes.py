@@ -219,7 +219,7 @@ class Lobes:
         narrow = dr.select(reflected, narrow, mi.refract(up, m, cos_t, eta_ti))
         apart = dr.select(reflected, narrow.z > 0, narrow.z < 0)
         w = dr.select(by_facet, narrow, wide)
-        return w * mi.Vector3f(1, 1, dr.select(wi.z < 0, -1, 1)), apart | ~by_facet
+        return w * mi.Vector3f(1, 1, dr.select(wi.z < 0, -1, 1)), apart | (sample1 >= self.share)
 
     def density(self, wi: Any, wo: Any) -> Any:
         """Of these directions, per steradian."""

@@ -47,7 +47,7 @@ def nodes_for(slopes: Slopes, material: Material) -> Nodes:
     alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
     if alpha == wide:
         return Nodes(24, max(LEAST_AZIMUTHS, int(np.ceil(AZIMUTHS_OF_ALPHA / alpha))))
-    eighths = int(np.clip(np.ceil(1.2 / alpha), 6, 10))
+    eighths = int(np.clip(np.ceil(2 / alpha), 6, 10))
     return Nodes(18, 8 * eighths, eighths + 1)
 
 
