@@ -168,6 +168,14 @@ def methods_for(scene: Scene, wanted: tuple[str, ...] | None) -> tuple[str, ...]
     return tuple(holding)
 
 
+def check_exr() -> None:
+    """Raise click.UsageError where OpenEXR is not installed."""
+    from msbsdf_cli.renderers.exr import MISSING, has_exr
+
+    if not has_exr():
+        raise click.UsageError(f"--exr: {MISSING}")
+
+
 def duration(seconds: float) -> str:
     """About how long, in words."""
     if seconds > 2 * 86400:

@@ -61,7 +61,7 @@ def command(**options: Any) -> None:
         return
     fill_in(options)
     if options["exr"]:
-        check_exr()
+        common.check_exr()
     stage = stage_from(options)
     surface = common.scene_from(options | {"theta": (0.0,), "phi": (0.0,), "orders": 1})
     methods = options["method"]
@@ -189,16 +189,6 @@ def save_arrays(pictures: list[Any], draft: Path, exr: bool) -> None:
                 from msbsdf_cli.renderers.exr import write_exr
 
                 write_exr(draft / f"{name}.exr", linear)
-
-
-def check_exr() -> None:
-    """Raise click.UsageError where OpenEXR is not installed."""
-    from importlib.util import find_spec
-
-    if find_spec("OpenEXR") is None:
-        raise click.UsageError(
-            "--exr: OpenEXR is not installed: pip install 'msbsdf[exr]' brings it."
-        )
 
 
 def show(table: Any) -> None:

@@ -83,7 +83,7 @@ class Solve(MethodBase):
         ripples = slopes.alpha_x != slopes.alpha_y or material.transmits
         coarser = COARSER_OF_RIPPLES if ripples else COARSER
         self.fine, *self.coarse = (
-            _solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
+            solution(slopes, material, orders, r * resolution) for r in (1, *coarser)
         )
 
     @classmethod
@@ -200,8 +200,9 @@ def _answering_for(missing: Array, error: Array) -> Array:
     return answering
 
 
-def _solution(
+def solution(
     slopes: Slopes, material: Material, orders: int, resolution: float
 ) -> OpaqueSolution | DielectricSolution:
+    """All orders but the first, at one resolution."""
     kind = DielectricSolution if material.transmits else OpaqueSolution
     return kind(slopes, material, orders, resolution)

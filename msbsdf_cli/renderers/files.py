@@ -5,38 +5,59 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.renderers.tables import BsdfTable
+from msbsdf_cli.renderers.albedos import first_share
+from msbsdf_cli.renderers.nodes import Nodes
+from msbsdf_cli.renderers.tables import BLOCKS, BsdfTable
 from msbsdf_cli.results import npz
 from surfaces.facet import Array
 
-FORMAT = "table of msbsdf 1"
+FORMAT = "table of msbsdf 2"
 
 AXES = (
-    "values[channel, cos_i, cos_o, phi]: BSDF per steradian at the middles of even parts of "
-    "[0, 1], [0, 1] and [0, pi]; of specular facets without the first order"
+    "values[channel, block, phi_i, theta_i, theta_o, phi]: BSDF per steradian, without the cosine, "
+    "at the polar angles `theta` of either direction, the azimuths `phi_i` of incidence and `phi` "
+    "from there to the outgoing direction; of specular facets without the first order. Cubic "
+    "splines interpolate, even in (1 - theta/(pi/2))^(1/2) and, of one roughness, in "
+    "phi + sin(2 phi) / 4."
+)
+
+MEASURE = (
+    "differences of BSDF x cosine in any channel, as parts of it, or of 0.01 / (2 pi) where that "
+    "is more, in random directions up to theta 1.4 (even in solid angle)"
 )
 
 
-def write_table(path: Path, table: BsdfTable, single_share: float, error: float) -> None:
-    """bsdf.npz"""
-    material = table.material
+def write_table(path: Path, table: BsdfTable, errors: Array, known: Array) -> None:
+    """bsdf.npz; `errors` of the table and what is known of the solution, as `table_error` says."""
+    material, nodes = table.material, table.nodes
     about = {
         "slopes": table.slopes.name,
-        "alpha": table.slopes.alpha_x,
+        "alpha": (table.slopes.alpha_x, table.slopes.alpha_y),
         "material": material.name,
         "specular": material.specular,
-        "single_share": single_share,
-        "interpolation_error": error,
+        "ior": material.ior if material.transmits else None,
+        "nodes": (nodes.elevations, nodes.azimuths, nodes.incident),
+        "single_share": first_share(table.slopes, material),
+        "error": {"largest": float(errors.max()), "mean": float(errors.mean())},
+        "error_of_solution": {"largest": float(known.max()), "mean": float(known.mean())},
+        "error_measure": MEASURE,
         "axes": AXES,
+        "blocks": BLOCKS[: table.values.shape[1]],
     }
-    eta_k = np.array(getattr(material, "eta_k", ()), float).reshape(-1, 2)
-    npz.write(path, FORMAT, about, {"values": table.values.astype(np.float32), "eta_k": eta_k})
+    arrays = {
+        "values": table.values.astype(np.float32),
+        "eta_k": np.array(getattr(material, "eta_k", ()), float).reshape(-1, 2),
+        "theta": nodes.theta,
+        "phi_i": nodes.phi_i,
+        "phi": nodes.phi,
+    }
+    npz.write(path, FORMAT, about, arrays)
 
 
 def read_table(path: str | Path) -> dict[str, Any]:
-    """What `write_table` wrote. Raises ValueError for any other file."""
+    """What `write_table` wrote, `nodes` as `Nodes`. Raises ValueError for any other file."""
     about, arrays = npz.read(path, FORMAT)
-    return about | arrays
+    return about | arrays | {"nodes": Nodes(*about["nodes"])}
 
 
 def c_header(slopes: str, directional: Array, mean: Array) -> str:

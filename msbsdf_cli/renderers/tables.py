@@ -1,47 +1,33 @@
-"""A solved BSDF as a table that renderers interpolate, and tables of albedos.
+"""A solved BSDF as a table that renderers interpolate.
 
-Of mirrors and metals the first order has a closed form, in which a lobe may be as narrow as it
-likes; the table holds the later orders, which are wide. Of diffuse facets it holds all. The surface
-has one roughness, so that a value depends on two cosines and the azimuth between the directions.
+Of mirrors, metals and glass the first order has a closed form, in which a lobe may be as narrow as
+it likes; the table holds the later orders, which are wide. Of diffuse facets it holds all.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
 
+from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.protocol import UnsupportedError
-from msbsdf_cli.methods.single import Single
+from msbsdf_cli.methods.single import first_order
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.methods.solver.size import value_seconds
-from msbsdf_cli.run.executors import Workers, map_ordered
-from msbsdf_cli.run.progress import Progress
-from msbsdf_cli.smith.albedo import first_order_albedo
+from msbsdf_cli.renderers.nodes import Nodes
+from msbsdf_cli.renderers.splines import REACH, coefficients, spline
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.materials import Conductor, Material
-from surfaces.streams import stream
+from surfaces.materials import Dielectric, Material
 
 SLOPES = ("beckmann", "ggx")
 """Slope distributions that renderers have."""
 
-COSINES, LEAST_AZIMUTHS, AZIMUTHS_OF_ALPHA = 24, 24, 20
-"""Nodes of the table, at the middles of as many even parts of [0, 1] and [0, pi]: of azimuths more
-where the surface is smooth, in proportion to 1 / alpha, as lobes are narrow."""
+CHANNELS = (1, 3)
+"""Numbers of channels that renderers have."""
 
-VALUE_S, VALUE_OF_DIFFUSE_S = 2.5e-4, 6e-4
-"""Seconds for a value; the first order of diffuse facets is an integral."""
-
-PAIRS, LEAST_COSINE = 512, float(np.cos(1.4))
-"""Random pairs of directions in which a table is held against what it was made from, and the
-cosine of the steepest of them."""
-
-FAINT = 0.01 / (2 * np.pi)
-"""Values of a BSDF x cosine below which errors are relative to this: a hundredth of light that is
-spread evenly."""
-
-ALBEDO_ALPHAS, ALBEDO_COSINES = 32, 32
-"""Nodes of the table of albedos, at the middles of even parts of [0, 1]."""
+BLOCKS = ("reflected outside", "transmitted inwards", "reflected inside")
+"""Blocks of a table; of opaque facets the first alone. What is transmitted outwards follows by
+reciprocity."""
 
 
 @dataclass(frozen=True)
@@ -50,110 +36,104 @@ class BsdfTable:
 
     slopes: Slopes
     material: Material
+    nodes: Nodes
     values: Array
-    """Per steradian, without the cosine, (channels, cosine in, cosine out, azimuth)."""
+    """Per steradian, without the cosine, (channels, blocks, azimuths of incidence, elevations in,
+    elevations out, azimuths between)."""
 
     def evaluate(self, wi: Array, wo: Array) -> Array:
-        """BSDF x cos(theta_o), (channels, n), for a unit vector (3,) and unit vectors (3, n) above
-        the surface: what a renderer makes of the table."""
-        phi = np.abs(np.arctan2(wo[1], wo[0]) - np.arctan2(wi[1], wi[0]))
-        phi = np.minimum(phi, 2 * np.pi - phi)
-        places = np.full_like(phi, wi[2]), wo[2], phi / np.pi
-        found = _interpolated(self.values, places) * wo[2]
+        """BSDF x |cos(theta_o)|, (channels, n), for a unit vector (3,) and unit vectors (3, n), on
+        either side of the surface: what a renderer makes of the table."""
+        found = self.later(wi, wo) * np.abs(wo[2])
         if self.material.specular:
-            single = Single(self.slopes, self.material, 1)
-            rng = stream(0, "without noise")
-            found = found + single.evaluate(wi, wo, 1, rng).value[:, 0]
+            found = found + first_value(self.slopes, self.material, wi, wo)
         return np.asarray(found)
 
+    def later(self, wi: Array, wo: Array) -> Array:
+        """BSDF of the table's orders, (channels, n)."""
+        inside, crosses = wi[2] < 0, wi[2] * wo[2] < 0
+        if not self.material.transmits:
+            crosses = np.zeros_like(crosses)
+        lit, seen = np.broadcast_to(wi[:, None], wo.shape), wo
+        block = np.where(crosses, 1, 2 * inside)
+        if inside:
+            lit, seen = np.where(crosses, wo, lit), np.where(crosses, lit, wo)
+        upright = [[1], [1], [-1]]
+        lit, seen = (np.where(w[2] < 0, w * upright, w) for w in (lit, seen))
+        places = self.nodes.places(lit, seen)
+        found = np.array([self._spline(c, block, places) for c in range(len(self.values))])
+        outwards = inside & crosses
+        dark = (wi[2] * wo[2] == 0) | ((inside | (wo[2] < 0)) & (not self.material.transmits))
+        return np.where(dark, 0, np.maximum(found, 0) / np.where(outwards, self.material.ior**2, 1))
 
-def make_table(slopes: Slopes, material: Material, workers: Workers, quiet: bool) -> BsdfTable:
-    """Solve the Smith model for all nodes. Raises UnsupportedError for a surface of two
-    roughnesses, or one that light passes through."""
-    check(slopes, material)
-    jobs = [(slopes, material, k) for k in range(COSINES)]
-    values = np.empty((material.channels, COSINES, COSINES, azimuths(slopes)))
-    with Progress("export", COSINES, "angles", quiet) as progress:
-        for k, row in enumerate(map_ordered(_row, jobs, workers)):
-            # A BSDF is reciprocal: half of it is the other half.
-            values[:, k, k:] = values[:, k:, k] = row
-            progress.advance(1)
-    return BsdfTable(slopes, material, values)
+    def _spline(self, channel: int, block: Array, places: tuple[Array, ...]) -> Array:
+        found = np.empty(block.size)
+        for b in range(self.values.shape[1]):
+            lanes = np.flatnonzero(block == b)
+            part = tuple(p[lanes] for p in places)
+            if self.nodes.incident == 1:
+                found[lanes] = spline(self.coefficients[channel, b, 0], part[1:])
+            else:
+                found[lanes] = spline(self.coefficients[channel, b], part)
+        return found
+
+    @cached_property
+    def coefficients(self) -> Array:
+        """Of the spline through the values, as `values` and with margins at both ends of all but
+        the azimuth of incidence of one roughness."""
+        return table_coefficients(self.values)
 
 
-def seconds(slopes: Slopes, material: Material) -> float:
-    """About how many seconds one core needs for a table."""
-    each = VALUE_S if material.specular else VALUE_OF_DIFFUSE_S
-    values = COSINES * (COSINES + 1) / 2 * azimuths(slopes)
-    return COSINES * value_seconds(slopes, material) + each * values
+def table_coefficients(values: Array) -> Array:
+    """The coefficients of a table's values (channels, blocks, azimuths of incidence, elevations in,
+    elevations out, azimuths between), extended by what symmetry says lies beyond the ends."""
+    incident, azimuths = values.shape[2], values.shape[5]
+    if incident == 1:
+        reach = min(REACH, azimuths - 1)
+        values = np.pad(values, [(0, 0)] * 5 + [(reach, reach)], mode="reflect")
+        return _ended(values, 5, reach)
+    reach = min(REACH, incident - 1)
+    # Of the mirror image azimuths between run the other way round.
+    mirrored = np.roll(values[..., ::-1], 1, axis=-1)
+    before, after = mirrored[:, :, reach:0:-1], mirrored[:, :, -2 : -2 - reach : -1]
+    values = np.concatenate([before, values, after], axis=2)
+    values = np.pad(values, [(0, 0)] * 5 + [(REACH, REACH + 1)], mode="wrap")
+    return _ended(_ended(values, 5, REACH), 2, reach, elevations=False)
+
+
+def _ended(values: Array, axis: int, reach: int, elevations: bool = True) -> Array:
+    """Coefficients along an axis that was extended by `reach` either way, its margins kept, and,
+    for once, along both elevations."""
+    if elevations:
+        values = coefficients(coefficients(values, 3), 4)
+    found = coefficients(values, axis)
+    # A margin has been put in front.
+    kept = np.arange(reach, found.shape[axis] - reach)
+    return np.take(found, kept, axis)
+
+
+def first_value(slopes: Slopes, material: Material, wi: Array, wo: Array) -> Array:
+    """BSDF x |cos(theta_o)| of the first order, (channels, n), for `wi` (3,) and `wo` (3, n) on
+    either side of the surface."""
+    if wi[2] < 0:
+        wi, wo, material = wi * [1, 1, -1], wo * [[1], [1], [-1]], other_side(material)
+    return first_order(slopes, material, wi, outgoing(slopes, wo))
+
+
+def other_side(material: Material) -> Material:
+    """The material as light from inside meets it."""
+    return Dielectric(1 / material.ior)
 
 
 def check(slopes: Slopes, material: Material) -> None:
     """Raise UnsupportedError for what no table is made of."""
     if slopes.name not in SLOPES:
         raise UnsupportedError(f"renderers have slopes {' and '.join(SLOPES)}, not {slopes.name}")
-    if slopes.alpha_x != slopes.alpha_y:
-        raise UnsupportedError("a table has room for one roughness, and there are two")
-    if material.transmits:
-        raise UnsupportedError("a table has room for one side, and light passes through")
+    if material.channels not in CHANNELS:
+        raise UnsupportedError(f"renderers have 1 channel or 3, not {material.channels}")
+    if material.transmits and slopes.alpha_x != slopes.alpha_y:
+        raise UnsupportedError(
+            "tables of facets that transmit have one roughness, and there are two: their values "
+            "would take hours"
+        )
     Solve.check_supported(slopes, material)
-
-
-def azimuths(slopes: Slopes) -> int:
-    """Nodes in azimuth."""
-    return max(LEAST_AZIMUTHS, int(np.ceil(AZIMUTHS_OF_ALPHA / slopes.alpha_x)))
-
-
-def nodes(count: int) -> Array:
-    """Middles of even parts of [0, 1]: where textures have their values."""
-    return (np.arange(count) + 0.5) / count
-
-
-def _row(job: tuple[Slopes, Material, int]) -> Array:
-    """Values (channels, cosine out, azimuth) for the incident cosine of number k and outgoing ones
-    from there on."""
-    slopes, material, k = job
-    cos_i, cos_o, phi = nodes(COSINES)[k], nodes(COSINES)[k:], np.pi * nodes(azimuths(slopes))
-    wi = np.array([np.sqrt(1 - cos_i**2), 0, cos_i])
-    sin_o = np.sqrt(1 - cos_o**2)
-    across = (np.outer(sin_o, f(phi)).ravel() for f in (np.cos, np.sin))
-    wo = np.array([*across, np.repeat(cos_o, phi.size)])
-    value = Solve(slopes, material, 1).evaluate(wi, wo).value
-    wanted = value[:, 1] if material.specular else value.sum(axis=1)
-    return np.asarray(wanted / wo[2]).reshape(len(value), cos_o.size, phi.size)
-
-
-def _interpolated(values: Array, places: tuple[Array, ...]) -> Array:
-    """Linear between the middles of texels, constant beyond them: (channels, n)."""
-    grid = [nodes(count) for count in values.shape[1:]]
-    inside = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(places, grid, strict=True)]
-    found = RegularGridInterpolator(grid, np.moveaxis(values, 0, -1))(np.stack(inside, axis=-1))
-    return np.asarray(found.T)
-
-
-def interpolation_error(table: BsdfTable, seed: int = 0) -> Array:
-    """Relative errors (pairs,) of the whole BSDF in random pairs of directions up to theta 1.4."""
-    rng = stream(seed, "export pairs")
-    solve, errors = Solve(table.slopes, table.material, 1), []
-    for _ in range(PAIRS // 32):
-        cos = rng.uniform(LEAST_COSINE, 1, 33)
-        phi = rng.uniform(0, 2 * np.pi, 33)
-        sin = np.sqrt(1 - cos**2)
-        w = np.array([sin * np.cos(phi), sin * np.sin(phi), cos])
-        truth = solve.evaluate(w[:, 0], w[:, 1:]).value.sum(axis=1)
-        mine = table.evaluate(w[:, 0], w[:, 1:])
-        errors.append((np.abs(mine - truth) / np.maximum(truth, FAINT)).max(axis=0))
-    return np.concatenate(errors)
-
-
-def albedos(slopes: Slopes) -> tuple[Array, Array]:
-    """Directional albedo of mirrors by single scattering over alpha and cosine, (alphas, cosines),
-    and its mean over the hemisphere, (alphas,): what energy compensation looks up."""
-    cos = nodes(ALBEDO_COSINES)
-    wi = np.array([np.sqrt(1 - cos * cos), np.zeros_like(cos), cos])
-    rows = []
-    for alpha in nodes(ALBEDO_ALPHAS).tolist():
-        of = replace(slopes, alpha_x=alpha, alpha_y=alpha)
-        rows.append(first_order_albedo(of, Conductor(), wi))
-    directional = np.array(rows)
-    return directional, (directional * 2 * cos).mean(axis=1)

@@ -29,21 +29,30 @@ class OpaqueSolution:
     def evaluate(self, wi: Array, wo: Array) -> tuple[Array, float]:
         """BSDF x cos(theta_o) from order 2 on, (channels, orders + 1, n), and the energy not
         accounted for. The first order, 0 here, needs no solution."""
-        value = np.zeros((self.material.channels, self.orders + 1, wo.shape[1]))
+        value, unresolved = self.pairs(wi[:, None], wo)
+        return value[0], unresolved
+
+    def pairs(self, wi: Array, wo: Array) -> tuple[Array, float]:
+        """The same between all of `wi` (3, m) and all of `wo` (3, n), (m, channels, orders + 1, n):
+        outgoing directions are followed back once for all of the incident ones."""
+        channels, m, n = self.material.channels, wi.shape[1], wo.shape[1]
+        value = np.zeros((m, channels, self.orders + 1, n))
         up = np.flatnonzero(wo[2] > 0)
-        d = -wi[:, None]
+        d = -wi
         grid, table = self._directional
-        rows = grid.rows(d)
-        start = table.extend(rows)
+        rows = [grid.rows(d[:, [i]]) for i in range(m)]
+        starts = [table.extend(row) for row in rows]
         for part in (up[i : i + ENDS] for i in range(0, up.size, ENDS)):
             w = wo[:, part]
             ends, which = grid.distinct(w)
             end_rows = grid.rows(ends)
-            later = table.connect(rows, start, end_rows, table.extend(end_rows))
-            value[:, 1:, part] = np.moveaxis(
-                np.sum(later[..., which] * grid.parting(d, w), axis=2), 0, 1
-            )
-        return value * np.maximum(wo[2], 0), start.unresolved
+            end_series = table.extend(end_rows)
+            for i, (row, start) in enumerate(zip(rows, starts, strict=True)):
+                later = table.connect(row, start, end_rows, end_series)
+                value[i, :, 1:, part] = np.moveaxis(
+                    np.sum(later[..., which] * grid.parting(d[:, [i]], w), axis=2), -1, 0
+                ).swapaxes(1, 2)
+        return value * np.maximum(wo[2], 0), max(start.unresolved for start in starts)
 
     def energy(self, wi: Array) -> Array:
         """Energy (channels, sides, orders + 1) that leaves in each order for `wi` (3,)."""

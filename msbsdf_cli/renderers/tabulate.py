@@ -1,0 +1,181 @@
+"""The work behind a table: all its nodes solved for, and how far it is off in between."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from msbsdf_cli.methods.solve import Solve, solution
+from msbsdf_cli.methods.solver.dielectric import DielectricSolution
+from msbsdf_cli.methods.solver.opaque import OpaqueSolution
+from msbsdf_cli.methods.solver.size import value_seconds
+from msbsdf_cli.renderers.nodes import Nodes
+from msbsdf_cli.renderers.tables import BLOCKS, BsdfTable, check, first_value, other_side
+from msbsdf_cli.run.executors import Workers, map_ordered
+from msbsdf_cli.run.progress import Progress
+from msbsdf_cli.smith.slopes import Slopes
+from surfaces.facet import Array
+from surfaces.materials import Material
+from surfaces.streams import stream
+
+LEAST_AZIMUTHS, AZIMUTHS_OF_ALPHA = 32, 6
+"""Nodes in azimuth of one roughness: more on smooth surfaces, in proportion to 1 / alpha, as lobes
+are narrow."""
+
+RESOLUTION_OF_GLASS = 0.5
+"""Of the solution that a dielectric's table is made of, four times as fast as at 1, and within .6 %
+of that; tables are further off."""
+
+PAIR_OF_DIFFUSE_S, PAIR_OF_GLASS_S, ROW_S = 2e-4, 2.5e-3, 2.5e-8
+"""Seconds for a pair of directions: the first order of diffuse facets is an integral over the
+facets, and the second of glass another. For a direction among kernels of two roughnesses, for each
+product of two of their directions."""
+
+LIGHTS, LIGHTS_ON_GLASS, ELEVATIONS, AZIMUTHS = 24, 8, 4, 8
+"""Random directions of incidence, and for each as many elevations and azimuths on either side, in
+which a table is held against `solve` at its usual resolution."""
+
+LEAST_COSINE = float(np.cos(1.4))
+"""Of the steepest of these directions."""
+
+FAINT = 0.01 / (2 * np.pi)
+"""Values of a BSDF x cosine below which errors are relative to this: a hundredth of light that is
+spread evenly."""
+
+
+def nodes_for(slopes: Slopes, material: Material) -> Nodes:
+    """As many as a table of some megabytes has room for."""
+    alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
+    if alpha == wide:
+        return Nodes(24, max(LEAST_AZIMUTHS, int(np.ceil(AZIMUTHS_OF_ALPHA / alpha))))
+    eighths = int(np.clip(np.ceil(2 / alpha), 6, 10))
+    return Nodes(18, 8 * eighths, eighths + 1)
+
+
+def seconds(slopes: Slopes, material: Material) -> float:
+    """About how many seconds one core needs for a table."""
+    nodes = nodes_for(slopes, material)
+    n, pairs = nodes.elevations, nodes.elevations**2 * nodes.azimuths
+    if material.transmits:
+        return 4 * value_seconds(slopes, material) + PAIR_OF_GLASS_S * 2 * pairs
+    if nodes.incident > 1:
+        rows = n * (nodes.azimuths + n * nodes.incident)
+        one = value_seconds(slopes, material)
+        return 6 * one + ROW_S * rows * (one / 8e-9) ** (2 / 3)
+    diffuse = 0 if material.specular else PAIR_OF_DIFFUSE_S * pairs / 2
+    return n * value_seconds(slopes, material) / 4 + diffuse
+
+
+def make_table(
+    slopes: Slopes, material: Material, workers: Workers, quiet: bool, nodes: Nodes | None = None
+) -> BsdfTable:
+    """Solve the Smith model for all nodes, by default those of `nodes_for`. Raises UnsupportedError
+    for what has no table."""
+    check(slopes, material)
+    nodes = nodes_for(slopes, material) if nodes is None else nodes
+    sides = 2 if material.transmits else 1
+    n, blocks = nodes.elevations, len(BLOCKS) if material.transmits else 1
+    jobs = [(slopes, material, nodes, side, k) for side in range(sides) for k in range(n)]
+    shape = material.channels, blocks, nodes.incident, n, n, nodes.azimuths
+    values = np.empty(shape)
+    work = _glass if material.transmits else _opaque
+    with Progress("export", len(jobs), "angles", quiet) as progress:
+        for job, row in zip(jobs, map_ordered(work, jobs, workers), strict=True):
+            *_, side, k = job
+            if material.transmits:
+                # What stays on its side is reciprocal: half of it is the other half.
+                values[0, 2 * side, 0, k, k:] = values[0, 2 * side, 0, k:, k] = row[0, k:]
+                if side == 0:
+                    values[0, 1, 0, k] = row[1]
+            elif nodes.incident == 1:
+                values[:, 0, :, k:, k], values[:, 0, :, k, k:] = row, row
+            else:
+                values[:, 0, :, :, k] = row
+            progress.advance(1)
+    return BsdfTable(slopes, material, nodes, values)
+
+
+Job = tuple[Slopes, Material, Nodes, int, int]
+
+
+def _opaque(job: Job) -> Array:
+    """Values (channels, azimuths of incidence, elevations in, azimuths between) of the outgoing
+    elevation of number k: from elevations k on, or all, where azimuths of incidence differ."""
+    slopes, material, nodes, _, k = job
+    theta = nodes.theta if nodes.incident > 1 else nodes.theta[k:]
+    wi = _directions(theta, nodes.phi_i)
+    wo = _directions(nodes.theta[[k]], nodes.phi)
+    solved = _solution(slopes, material, 1.0)
+    assert isinstance(solved, OpaqueSolution)
+    value = solved.pairs(wi, wo)[0][:, :, 1]
+    if not material.specular:
+        value = value + [first_value(slopes, material, w, wo) for w in wi.T]
+    shape = theta.size, nodes.incident, material.channels, nodes.azimuths
+    rows = np.moveaxis((value / wo[2]).reshape(shape), 0, 2)
+    # Azimuths of incidence are among those between.
+    step = nodes.azimuths // (4 * max(nodes.incident - 1, 1))
+    turned = [np.roll(row, -step * i, axis=-1) for i, row in enumerate(rows)]
+    return np.stack(turned, axis=1)
+
+
+def _glass(job: Job) -> Array:
+    """Values (reflected and transmitted, elevations out, azimuths) of the incident elevation of
+    number k; of reflected light from elevation k on, of light from inside no more than that."""
+    slopes, material, nodes, side, k = job
+    solved = _solution(slopes, other_side(material) if side else material, RESOLUTION_OF_GLASS)
+    assert isinstance(solved, DielectricSolution)
+    (wi,) = _directions(nodes.theta[[k]], np.zeros(1)).T
+    row = np.zeros((2, nodes.elevations, nodes.azimuths))
+    for block, first in ((0, k),) if side else ((0, k), (1, 0)):
+        wo = _directions(nodes.theta[first:], nodes.phi)
+        value = solved.evaluate(wi, wo * [[1], [1], [-1 if block else 1]])[0][0, 1]
+        row[block, first:] = (value / wo[2]).reshape(-1, nodes.azimuths)
+    return row
+
+
+@lru_cache(maxsize=2)
+def _solution(
+    slopes: Slopes, material: Material, resolution: float
+) -> OpaqueSolution | DielectricSolution:
+    """Once in each process."""
+    return solution(slopes, material, 1, resolution)
+
+
+def _directions(theta: Array, phi: Array) -> Array:
+    """Directions (3, polar angles x azimuths)."""
+    sin, cos = np.sin(theta), np.cos(theta)
+    across = (np.outer(sin, f(phi)).ravel() for f in (np.cos, np.sin))
+    return np.array([*across, np.repeat(cos, phi.size)])
+
+
+def table_error(table: BsdfTable, workers: Workers, seed: int = 0) -> tuple[Array, Array]:
+    """Relative errors of the whole BSDF in random pairs of directions up to theta 1.4, those of the
+    table against `solve` and of `solve` by its own estimate, (pairs,) each. Of three channels the
+    largest counts."""
+    sides, lights = (2, LIGHTS_ON_GLASS) if table.material.transmits else (1, LIGHTS)
+    jobs = [(table, side, seed, k) for side in range(sides) for k in range(lights)]
+    found = list(map_ordered(_errors, jobs, workers))
+    errors, known = np.concatenate(found, axis=-1)
+    return errors, known
+
+
+def _errors(job: tuple[BsdfTable, int, int, int]) -> Array:
+    table, side, seed, k = job
+    rng = stream(seed, "export pairs", side, k)
+    cos, phi = rng.uniform(LEAST_COSINE, 1, 1 + ELEVATIONS), rng.uniform(0, 2 * np.pi, AZIMUTHS)
+    theta = np.arccos(cos)
+    wi, wo = _directions(theta[:1], phi[:1] + 1)[:, 0], _directions(theta[1:], phi)
+    down = [[1], [1], [-1]]
+    if table.material.transmits:
+        wo = np.concatenate([wo, wo * down], axis=1)
+    solve = _solve(table.slopes, other_side(table.material) if side else table.material)
+    found = solve.evaluate(wi, wo)
+    truth, known = found.value.sum(axis=1), found.stderr.sum(axis=1)
+    mine = table.evaluate(wi * [1, 1, -1], wo * down) if side else table.evaluate(wi, wo)
+    errors: Array = np.stack([np.abs(mine - truth), known]) / np.maximum(truth, FAINT)
+    return errors.max(axis=1)
+
+
+@lru_cache(maxsize=2)
+def _solve(slopes: Slopes, material: Material) -> Solve:
+    """Once in each process."""
+    return Solve(slopes, material, 1)
