@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.options import REPORT, Real, samples, use
+from msbsdf_cli.experiments.render.scenes import NAMES as SCENES
 from msbsdf_cli.results.files import columns
 
 
@@ -41,7 +42,8 @@ from msbsdf_cli.results.files import columns
 def command(**options: Any) -> None:
     """The cheapest model that each surface of a scene needs; without a scene, a sheet for all.
 
-    SCENE is a TOML file with a [[surface]] for each: name, material, slopes, alpha (a number, or a
+    SCENE is a scene of `render` (plate, furnace, sphere, bottle or slab), whose picture is judged
+    too; or a TOML file with a [[surface]] for each: name, material, slopes, alpha (a number, or a
     range [LOW, HIGH] where it is textured) or alpha_x and alpha_y, metal, eta_k, albedo or ior,
     theta (angles that matter, radians or "60deg"), weight; at its top may stand a tolerance, and
     `roughness = "perceptual"`, which says that alpha is its square. Or it is a Mitsuba 3 scene, in
@@ -50,14 +52,16 @@ def command(**options: Any) -> None:
     if options["scene"] is None:
         write_sheet(options)
         return
-    from msbsdf_cli.cli.recommend_words import sentence
+    from msbsdf_cli.cli.recommend_words import picture_sentence, sentence
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.recommend.choice import Wanted
+    from msbsdf_cli.experiments.recommend.rendered import picture_errors, scene_of
     from msbsdf_cli.experiments.recommend.scene_file import SceneFileError, read_scene
     from msbsdf_cli.plots.recommendation import draw_recommendations
 
+    rendered = options["scene"] in SCENES
     try:
-        content = read_scene(options["scene"])
+        content = scene_of(options["scene"]) if rendered else read_scene(options["scene"])
     except SceneFileError as error:
         raise click.BadParameter(f"{error}", param_hint="SCENE") from None
     options["tolerance"] = options["tolerance"] or content.tolerance or TOLERANCE
@@ -74,8 +78,13 @@ def command(**options: Any) -> None:
         report.warn([s for s, r in zip(sentences, found, strict=True) if r.chosen is None])
         if all(r.chosen is None for r in found):
             raise click.ClickException(f"{options['scene']} has no surface that can be judged.")
-        table = columns(rows(found, wanted), COLUMNS)
-        report.write(draft, {"recommendation.csv": table}, 0, more={"summary": sentences})
+        tables = {"recommendation.csv": columns(rows(found, wanted), COLUMNS)}
+        if rendered:
+            how = options["seed"], options["threads"], options["quiet"]
+            pictures = picture_errors(content.surfaces[0], *how)
+            sentences.append(picture_sentence(pictures))
+            tables["picture.csv"] = columns(pictures, ("surface", "method", "error", "error_bound"))
+        report.write(draft, tables, 0, more={"summary": sentences})
         draw_recommendations(found, wanted, options["against"], draft / "recommendation.png")
     report.end(lambda: click.echo("\n".join(sentences)))
 

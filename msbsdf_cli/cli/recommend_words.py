@@ -22,6 +22,12 @@ def sentence(found: Any, wanted: Any) -> str:
     return text + (f"; too close to call: {', '.join(close)}." if close else ".")
 
 
+def picture_sentence(found: list[Any]) -> str:
+    """How far off the pictures of a scene are."""
+    each = (f"{percent(p.error)} (at most {percent(p.error_bound)}) by {p.method}" for p in found)
+    return f"The picture of {found[0].surface} is off by {', '.join(each)}, root mean square."
+
+
 def beyond(found: Any, wanted: Any) -> str:
     """Why nothing is known to be within the tolerance, and what comes as near as anything."""
     chosen = found.chosen

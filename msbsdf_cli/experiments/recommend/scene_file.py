@@ -96,7 +96,7 @@ def _read_toml(path: Path) -> SceneFile:
         if not isinstance(entries, dict):
             raise SceneFileError(f"{where} is no table.")
         try:
-            found.surfaces.append(_surface(entries, ROUGHNESS[kind]))
+            found.surfaces.append(surface_of(entries, ROUGHNESS[kind]))
         except (ValueError, OverflowError) as error:
             raise SceneFileError(f"{where}: {error}") from None
     names = [surface.name for surface in found.surfaces]
@@ -118,7 +118,9 @@ def _tolerance(path: Path, content: dict[str, Any]) -> float | None:
     return tolerance
 
 
-def _surface(entries: dict[str, Any], power: int) -> SceneSurface:
+def surface_of(entries: dict[str, Any], power: int = 1) -> SceneSurface:
+    """The surface of a table of a file, alpha being the `power` of what is given. Raises ValueError
+    for what is none."""
     for key in ("name", "material"):
         if not isinstance(entries.get(key), str) or not entries[key].strip():
             raise ValueError(f"{key} is missing, or no text.")
