@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from msbsdf_cli.methods import forced_collisions, walk
+from msbsdf_cli.methods import forced_collisions, walk, walks
 from msbsdf_cli.methods.energy_compensated import EnergyCompensated
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
@@ -101,7 +101,7 @@ def start_below_the_top(monkeypatch):
 def next_events_on_one_side(monkeypatch):
     """Next events towards the other side of a dielectric look from the same t."""
     for module in (walk, forced_collisions):
-        monkeypatch.setattr(module, "escape", lambda t, inside, out: walk._escape(t, out.Lambda))
+        monkeypatch.setattr(module, "escape", lambda t, inside, out: walks.escape(t, None, out))
 
 
 def lambda_of_masking(monkeypatch):
@@ -116,7 +116,7 @@ def lambda_of_masking(monkeypatch):
 
 
 def flip_nothing(monkeypatch):
-    for module in (smith_walk, intersection, walk):
+    for module in (smith_walk, intersection, walks):
         monkeypatch.setattr(module, "flip", lambda t: t)
 
 

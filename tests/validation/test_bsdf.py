@@ -27,8 +27,8 @@ def masking_product(monkeypatch):
 
 
 def escape_one_percent(monkeypatch):
-    right = walk._escape
-    monkeypatch.setattr(walk, "_escape", lambda t, Lambda: right(1.03 * t, Lambda))
+    right = walk.escape
+    monkeypatch.setattr(walk, "escape", lambda t, inside, out: right(1.03 * t, inside, out))
 
 
 def samples_twice(monkeypatch):

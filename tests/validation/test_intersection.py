@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from msbsdf_cli.methods import walk
+from msbsdf_cli.methods import walks
 from msbsdf_cli.smith import walk as smith_walk
 from msbsdf_cli.validation import intersection
 from validation.fault_injection import (
@@ -17,7 +17,7 @@ from validation.fault_injection import (
 
 def flip_sides_of_t(monkeypatch):
     """C1 -> 1 / (1 + C1), a slip of the sign."""
-    for module in (smith_walk, intersection, walk):
+    for module in (smith_walk, intersection, walks):
         monkeypatch.setattr(module, "flip", lambda t: np.log1p(np.exp(-t)))
 
 
