@@ -5,6 +5,9 @@ import json
 import pytest
 from command_line import msbsdf, refused, table
 
+from msbsdf_cli.experiments.recommend import rendered
+from msbsdf_cli.experiments.render.picture import Settings
+
 SCENE = """
 [[surface]]
 name = "tap"
@@ -91,3 +94,14 @@ def test_what_is_no_scene_is_refused(tmp_path):
     assert "tolerance" in refused("recommend", tmp_path / "kitchen.toml", "--tolerance", "0")
     words = "recommend", tmp_path / "kitchen.toml", "--colour-tolerance", "0"
     assert "a number above 0" in refused(*words)
+
+
+def test_a_scene_of_render_has_its_picture_judged_too(tmp_path, monkeypatch):
+    monkeypatch.setattr(rendered, "SETTINGS", Settings(16, 16, 4))
+    out = tmp_path / "slab"
+    result = msbsdf("recommend", "slab", "--threads", "1", "--out", out)
+    assert result.returncode == 0, result.stderr
+    assert "The picture of slab is off by" in result.stdout
+    rows = table(out / "picture.csv")
+    assert [row["method"] for row in rows] == ["single", "energy-compensated", "turquin"]
+    assert all(float(row["error"]) <= float(row["error_bound"]) for row in rows)
