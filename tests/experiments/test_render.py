@@ -64,8 +64,10 @@ WHITE = {
 def test_a_textured_plate_stays_white_in_white_light(kind, method):
     material = WHITE[kind][0]
     assert METHODS[method].traits.conserves_energy
-    slopes = Ggx(1.0, 1.0)
-    p = picture("plate", material, method, slopes=slopes, texture="roughness", lights=Lights())
+    # Samples of the lights hardly ever find what all but smooth glass sends where.
+    settings = replace(SMALL, strategy="bsdf" if material.transmits else "mis")
+    slopes, white = Ggx(1.0, 1.0), {"texture": "roughness", "lights": Lights()}
+    p = picture("plate", material, method, settings, slopes, **white)
     mean, stderr = blocks(p)
     # What compensation leaves undone is what its tables are off by.
     slack = METHODS[method].traits.slack(material.name)
