@@ -92,13 +92,13 @@ def table_coefficients(values: Array) -> Array:
         reach = min(REACH, azimuths - 1)
         values = np.pad(values, [(0, 0)] * 5 + [(reach, reach)], mode="reflect")
         return _ended(values, 5, reach)
-    reach = min(REACH, incident - 1)
-    # Of the mirror image azimuths between run the other way round.
-    mirrored = np.roll(values[..., ::-1], 1, axis=-1)
-    before, after = mirrored[:, :, reach:0:-1], mirrored[:, :, -2 : -2 - reach : -1]
-    values = np.concatenate([before, values, after], axis=2)
-    values = np.pad(values, [(0, 0)] * 5 + [(REACH, REACH + 1)], mode="wrap")
-    return _ended(_ended(values, 5, REACH), 2, reach, elevations=False)
+    # A quarter of a turn further on are mirror images, of which azimuths between run the other way
+    # round, and after half a turn the same again.
+    mirrored, half = np.roll(values[..., ::-1], 1, axis=-1), 2 * (incident - 1)
+    numbers = np.mod(np.arange(-REACH, incident + REACH), half)
+    circle = [values[:, :, k] if k < incident else mirrored[:, :, half - k] for k in numbers]
+    values = np.pad(np.stack(circle, axis=2), [(0, 0)] * 5 + [(REACH, REACH + 1)], mode="wrap")
+    return _ended(_ended(values, 5, REACH), 2, REACH, elevations=False)
 
 
 def _ended(values: Array, axis: int, reach: int, elevations: bool = True) -> Array:

@@ -106,6 +106,15 @@ def test_two_roughnesses_have_the_values_of_solve_and_its_symmetry(two, q):
         np.testing.assert_allclose(other, first, rtol=1e-9)
 
 
+def test_two_roughnesses_are_smooth_across_their_planes_of_symmetry(two):
+    """Coefficients beyond either plane are those on its other side, azimuths turned round."""
+    around = two.coefficients[0, 0][..., 1:17]
+    turned = np.roll(around[..., ::-1], 1, axis=-1)
+    np.testing.assert_allclose(around[0], turned[2], rtol=1e-5, atol=1e-7)
+    np.testing.assert_allclose(around[-1], turned[-3], rtol=1e-5, atol=1e-7)
+    assert np.abs(around[0] - around[2]).max() > 1e-3
+
+
 @pytest.mark.parametrize("side", [1, -1])
 def test_glass_has_the_values_of_solve_on_either_side(glass, side):
     """At nodes: the table is made at half the resolution, right to .006; reciprocity gives one of
