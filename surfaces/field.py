@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
+from pathlib import Path
 
 import numpy as np
 
 from surfaces.facet import Array
 from surfaces.heightfield import all_waves, synthesise
+from surfaces.levelling import levelled
 from surfaces.streams import stream
 from surfaces.stretch import Stretch
 from surfaces.surface import Surface, shortened
@@ -18,7 +20,7 @@ LEAST = 4
 
 @dataclass(frozen=True, eq=False)
 class HeightField:
-    """One period of a surface that goes on for ever: heights (n, n) at the points of a square grid.
+    """One period of a surface that goes on for ever: heights (nx, ny) at the points of a grid.
 
     Heights and steps are in one unit, whichever. Raises ValueError for what is no such grid.
     """
@@ -30,12 +32,14 @@ class HeightField:
     isotropic_grid: bool = False
     """Whether the field is statistically the same in every direction of its grid, as random ones
     are: light then crosses the grid where the period matters least."""
+    notes: tuple[str, ...] = ()
+    """Sentences on what was made of a file."""
 
     def __post_init__(self) -> None:
         heights = np.asarray(self.heights, float)
-        if heights.ndim != 2 or heights.shape[0] != heights.shape[1] or len(heights) < LEAST:
+        if heights.ndim != 2 or min(heights.shape) < LEAST:
             raise ValueError(
-                f"the heights have the shape {heights.shape}: a square grid of at least "
+                f"the heights have the shape {heights.shape}: a grid of at least "
                 f"{LEAST} x {LEAST} points is wanted."
             )
         if not np.isfinite(heights).all():
@@ -67,6 +71,33 @@ class HeightField:
         step_x, step_y = (2 / (a * shortened(cells)) for a in alphas)
         return cls(heights, (step_x, step_y), isotropic_grid=True)
 
+    @classmethod
+    def load(
+        cls,
+        path: str | Path,
+        step: float | tuple[float, float] | None = None,
+        height_unit: float | None = None,
+        periodic: bool = False,
+        detrend: int = 1,
+    ) -> "HeightField":
+        """Heights from a file: an array (.npy, .npz), text, a picture (PNG, TIFF), a mesh (STL,
+        PLY, OBJ), or what an instrument wrote.
+
+        `step` is the distance of the points along x and y, and `height_unit` what a height of 1 in
+        the file is in the unit of `step`; each is wanted where the file does not say it. A field
+        that is not `periodic` is levelled by a polynomial of degree `detrend` (1: a plane), and
+        continued by its mirror images. Raises ValueError for what cannot be used.
+        """
+        from surfaces.files import read
+
+        scan = read(path, step, height_unit)
+        if periodic:
+            heights, notes = _one_period(scan.heights)
+        else:
+            heights, notes = mirrored(levelled(scan.heights, detrend)), ()
+        assert scan.step is not None
+        return cls(heights, scan.step, notes=scan.notes + notes)
+
     @cached_property
     def _scale(self) -> float:
         """Standard deviation of the heights; tracing has it as the unit."""
@@ -77,7 +108,7 @@ class HeightField:
         """The mesh to trace on, heights in standard deviations."""
         heights = self.heights / self._scale
         # A mesh wants an even number of cells; two periods are as good as one.
-        return Surface(np.tile(heights, (2, 2)) if len(heights) % 2 else heights, 1)
+        return Surface(np.tile(heights, [1 + n % 2 for n in heights.shape]), 1)
 
     def stretch(self, phi: float) -> Stretch:
         """From the world to the mesh's grid, for light of azimuth `phi`."""
@@ -87,3 +118,27 @@ class HeightField:
     def fingerprint(self) -> str:
         """A text that tells this field from any other."""
         return sha256(self.heights.tobytes() + repr(self.step).encode()).hexdigest()[:16]
+
+
+def mirrored(heights: Array) -> Array:
+    """A period (2 nx, 2 ny) of a patch continued by its mirror images, which meet it without a
+    step."""
+    along = np.concatenate([heights, heights[::-1]])
+    return np.concatenate([along, along[:, ::-1]], axis=1)
+
+
+def _one_period(heights: Array) -> tuple[Array, tuple[str, ...]]:
+    """Heights less their mean, and without a last row or column that repeats the first, as meshes
+    of a whole period have."""
+    span, cut = np.ptp(heights), []
+    for axis in (0, 1):
+        first, last = heights.take(0, axis), heights.take(-1, axis)
+        if np.abs(last - first).max() <= REPEATED * span and heights.shape[axis] > LEAST:
+            heights = np.delete(heights, -1, axis)
+            cut.append("xy"[axis])
+    notes = (f"the last points along {' and '.join(cut)} repeat the first and were left out",)
+    return heights - heights.mean(), notes if cut else ()
+
+
+REPEATED = 1e-6
+"""Of the height of a surface: single precision of files."""

@@ -25,7 +25,7 @@ def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float]) 
     left.imshow(_view(surface, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear")
     left.set_title(f"alpha = {alpha[0]:g}, {alpha[1]:g}: seen from 35 degrees above the horizon")
     left.axis("off")
-    lengths = surface.period / np.diag(surface.stretch(*alpha).matrix)[:2]
+    lengths = surface.period[:, 0] / np.diag(surface.stretch(*alpha).matrix)[:2]
     picture = right.imshow(
         surface.heights.T,
         origin="lower",
