@@ -4,15 +4,20 @@ from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surfaces.facet import Array
 from surfaces.heightfield import all_waves, synthesise
 from surfaces.levelling import levelled
+from surfaces.patch import Patch
 from surfaces.streams import stream
 from surfaces.stretch import Stretch
 from surfaces.surface import Surface, shortened
+
+if TYPE_CHECKING:
+    from surfaces.describe import Description
 
 LEAST = 4
 """Points along either side, below which there is no surface to speak of."""
@@ -32,6 +37,8 @@ class HeightField:
     isotropic_grid: bool = False
     """Whether the field is statistically the same in every direction of its grid, as random ones
     are: light then crosses the grid where the period matters least."""
+    mirrored: bool = False
+    """Whether the first quarter is a patch, and the rest its mirror images, which continue it."""
     notes: tuple[str, ...] = ()
     """Sentences on what was made of a file."""
 
@@ -79,6 +86,7 @@ class HeightField:
         height_unit: float | None = None,
         periodic: bool = False,
         detrend: int = 1,
+        filter_length: float | None = None,
     ) -> "HeightField":
         """Heights from a file: an array (.npy, .npz), text, a picture (PNG, TIFF), a mesh (STL,
         PLY, OBJ), or what an instrument wrote.
@@ -86,17 +94,36 @@ class HeightField:
         `step` is the distance of the points along x and y, and `height_unit` what a height of 1 in
         the file is in the unit of `step`; each is wanted where the file does not say it. A field
         that is not `periodic` is levelled by a polynomial of degree `detrend` (1: a plane), and
-        continued by its mirror images. Raises ValueError for what cannot be used.
+        continued by its mirror images. With a `filter_length` what is shorter is smoothed away, by
+        the Gaussian filter of ISO 16610. Raises ValueError for what cannot be used.
         """
         from surfaces.files import read
 
         scan = read(path, step, height_unit)
-        if periodic:
-            heights, notes = _one_period(scan.heights)
-        else:
-            heights, notes = mirrored(levelled(scan.heights, detrend)), ()
         assert scan.step is not None
-        return cls(heights, scan.step, notes=scan.notes + notes)
+        heights, notes = _one_period(scan.heights) if periodic else (scan.heights, ())
+        patch = Patch(heights if periodic else levelled(heights, detrend), scan.step, periodic)
+        if filter_length is not None:
+            patch = patch.filtered(filter_length)
+        heights = patch.heights if periodic else continued(patch.heights)
+        return cls(heights, scan.step, mirrored=not periodic, notes=scan.notes + notes)
+
+    @property
+    def patch(self) -> Patch:
+        """The part that is no image of another."""
+        if not self.mirrored:
+            return Patch(self.heights, self.step, periodic=True)
+        nx, ny = (n // 2 for n in self.heights.shape)
+        return Patch(self.heights[:nx, :ny], self.step)
+
+    def describe(self, unit: str = "", wavelength: float | None = None) -> "Description":
+        """Height parameters, slopes, correlation and fitted slope distributions, with error bars
+        that say how far another piece of the same surface may be off; `unit` names that of the
+        heights, in which the `wavelength` is, for which warnings say what geometrical optics
+        leaves out."""
+        from surfaces.describe import describe
+
+        return describe(self.patch, unit, wavelength)
 
     @cached_property
     def _scale(self) -> float:
@@ -120,7 +147,7 @@ class HeightField:
         return sha256(self.heights.tobytes() + repr(self.step).encode()).hexdigest()[:16]
 
 
-def mirrored(heights: Array) -> Array:
+def continued(heights: Array) -> Array:
     """A period (2 nx, 2 ny) of a patch continued by its mirror images, which meet it without a
     step."""
     along = np.concatenate([heights, heights[::-1]])

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from surfaces.describe import describe
 from surfaces.files import read
+from surfaces.heightfield import all_waves, synthesise
+from surfaces.patch import Patch
 
-SurfaceTopography = pytest.importorskip("SurfaceTopography")
+pytest.importorskip("SurfaceTopography")
 sdfio, x3pio = pytest.importorskip("sdfio"), pytest.importorskip("x3pio")
 
 STEP = (2e-6, 3e-6)
@@ -53,3 +56,17 @@ def test_damaged_files_are_refused(heights, tmp_path):
             path.write_bytes(damaged)
             with pytest.raises(ValueError, match=rf"damaged\{suffix}"):
                 read(path)
+
+
+def test_parameters_of_iso_25178_by_others():
+    """By surfalize; a skewed surface."""
+    surfalize = pytest.importorskip("surfalize")
+    rough = synthesise(all_waves(16, np.random.default_rng(1)), 16, 8)
+    step = (2e-6, 2e-6)
+    patch = Patch(np.exp(0.4 * rough[:, :100]), step)
+    mine = {row.quantity: row.value for row in describe(patch).rows}
+    other = surfalize.Surface(patch.heights.T - patch.heights.mean(), *step)
+    for name in ("Sa", "Sq", "Ssk", "Sku"):
+        assert mine[name.lower()] == pytest.approx(getattr(other, name)(), rel=1e-9), name
+    # Slopes along one side of the patch are those of one facet more.
+    assert mine["sdq"] == pytest.approx(other.Sdq(), rel=0.01)
