@@ -14,9 +14,11 @@ from surfaces.levelling import levelled
 from surfaces.patch import Patch
 from surfaces.streams import stream
 from surfaces.stretch import Stretch
-from surfaces.surface import Surface, shortened
+from surfaces.surface import Surface, faces, shortened
 
 if TYPE_CHECKING:
+    from trimesh import Trimesh
+
     from surfaces.describe import Description
 
 LEAST = 4
@@ -25,7 +27,8 @@ LEAST = 4
 
 @dataclass(frozen=True, eq=False)
 class HeightField:
-    """One period of a surface that goes on for ever: heights (nx, ny) at the points of a grid.
+    """A surface that goes on for ever: heights (nx, ny) at the points of a grid, one period of it
+    or a patch that its mirror images continue.
 
     Heights and steps are in one unit, whichever. Raises ValueError for what is no such grid.
     """
@@ -37,8 +40,9 @@ class HeightField:
     isotropic_grid: bool = False
     """Whether the field is statistically the same in every direction of its grid, as random ones
     are: light then crosses the grid where the period matters least."""
-    mirrored: bool = False
-    """Whether the first quarter is a patch, and the rest its mirror images, which continue it."""
+    periodic: bool = True
+    """Whether the heights are a whole period. Those of a patch are continued by its mirror images,
+    which meet it without a step, and rays start on the patch itself."""
     notes: tuple[str, ...] = ()
     """Sentences on what was made of a file."""
 
@@ -105,16 +109,12 @@ class HeightField:
         patch = Patch(heights if periodic else levelled(heights, detrend), scan.step, periodic)
         if filter_length is not None:
             patch = patch.filtered(filter_length)
-        heights = patch.heights if periodic else continued(patch.heights)
-        return cls(heights, scan.step, mirrored=not periodic, notes=scan.notes + notes)
+        return cls(patch.heights, scan.step, periodic=periodic, notes=scan.notes + notes)
 
-    @property
-    def patch(self) -> Patch:
-        """The part that is no image of another."""
-        if not self.mirrored:
-            return Patch(self.heights, self.step, periodic=True)
-        nx, ny = (n // 2 for n in self.heights.shape)
-        return Patch(self.heights[:nx, :ny], self.step)
+    def piece(self, number: int, of: int) -> tuple[int, int]:
+        """Where rays start on the mesh for the piece `number` of `of` equal ones of the surface,
+        as `surfaces.tracing.Tracer.trace` takes it."""
+        return number, of if self.periodic else 4 * of
 
     def describe(self, unit: str = "", wavelength: float | None = None) -> "Description":
         """Height parameters, slopes, correlation and fitted slope distributions, with error bars
@@ -123,7 +123,7 @@ class HeightField:
         leaves out."""
         from surfaces.describe import describe
 
-        return describe(self.patch, unit, wavelength)
+        return describe(Patch(self.heights, self.step, self.periodic), unit, wavelength)
 
     @cached_property
     def _scale(self) -> float:
@@ -134,8 +134,20 @@ class HeightField:
     def surface(self) -> Surface:
         """The mesh to trace on, heights in standard deviations."""
         heights = self.heights / self._scale
+        if not self.periodic:
+            return Surface(continued(heights), 1)
         # A mesh wants an even number of cells; two periods are as good as one.
         return Surface(np.tile(heights, [1 + n % 2 for n in heights.shape]), 1)
+
+    def mesh(self) -> "Trimesh":
+        """The heights as a mesh; one of a whole period has its first points at its end again."""
+        import trimesh
+
+        h = np.pad(self.heights, (0, 1), mode="wrap") if self.periodic else self.heights
+        along = (np.arange(n) * s for n, s in zip(h.shape, self.step, strict=True))
+        x, y = np.meshgrid(*along, indexing="ij")
+        vertices = np.stack([x, y, h], axis=-1).reshape(-1, 3)
+        return trimesh.Trimesh(vertices, faces(*h.shape), process=False, validate=False)
 
     def stretch(self, phi: float) -> Stretch:
         """From the world to the mesh's grid, for light of azimuth `phi`."""
@@ -144,7 +156,8 @@ class HeightField:
 
     def fingerprint(self) -> str:
         """A text that tells this field from any other."""
-        return sha256(self.heights.tobytes() + repr(self.step).encode()).hexdigest()[:16]
+        about = repr((self.heights.shape, self.step, self.periodic)).encode()
+        return sha256(self.heights.tobytes() + about).hexdigest()[:16]
 
 
 def continued(heights: Array) -> Array:

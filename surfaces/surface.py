@@ -171,14 +171,14 @@ class Surface:
         self.rays += o.shape[1]
         return triangle
 
-    def mesh(self, alpha_x: float, alpha_y: float) -> "Trimesh":
+    def mesh(self, stretch: Stretch) -> "Trimesh":
         """One period, in units of the heights' standard deviation."""
         # Not above: it takes longer to import than many a run of a library's user takes.
         import trimesh
 
         h = np.pad(self.heights, (0, 1), mode="wrap")
         u, v = np.meshgrid(*(np.arange(n, dtype=float) for n in h.shape), indexing="ij")
-        vertices = self.stretch(alpha_x, alpha_y).to_world(np.stack([u, v, h]).reshape(3, -1))
+        vertices = stretch.to_world(np.stack([u, v, h]).reshape(3, -1))
         return trimesh.Trimesh(vertices.T, faces(*h.shape), process=False, validate=False)
 
 

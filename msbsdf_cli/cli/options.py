@@ -155,6 +155,28 @@ def _numbers(text: str, count: int | None = None) -> tuple[float, ...]:
     return numbers
 
 
+UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
+
+
+class Lengths(Typed):
+    """Lengths above 0, in metres or with a unit behind them: `2e-6`, `2um`, `2um,3um`."""
+
+    name = "X[,Y]"
+
+    def __init__(self, most: int = 2) -> None:
+        self.most = most
+
+    def read(self, text: str) -> tuple[float, ...]:
+        lengths = []
+        for part in map(str.strip, text.split(",")):
+            unit = next((u for u in UNITS if part.endswith(u)), "")
+            lengths.append(_numbers(part.removesuffix(unit))[0] * UNITS.get(unit, 1.0))
+        if len(lengths) > self.most or not all(0 < x < math.inf for x in lengths):
+            wanted = "a length above 0" if self.most == 1 else "one or two lengths above 0"
+            raise ValueError(f"{quoted(text)} is not {wanted}, such as 2e-6 or 2um.")
+        return tuple(lengths)
+
+
 class Methods(Typed):
     """Names of methods separated by commas, and of what else is `also` taken for one."""
 
@@ -295,10 +317,37 @@ _OPTIONS: dict[str, Any] = {
     "convergence": dict(
         is_flag=True, help="Also measure what cells, period, waves and offset do to the energies."
     ),
-    "mesh": dict(
+    "save-mesh": dict(
         type=click.Path(dir_okay=False),
         metavar="FILE",
-        help="Save the first surface: .ply, .obj, .stl, .off or .glb.",
+        help="Save the surface, or the first: .ply, .obj, .stl, .off or .glb.",
+    ),
+    "surface": dict(
+        type=click.Path(exists=True, dir_okay=False),
+        metavar="FILE",
+        help="Heights of your own instead of random ones: an array, text, picture, mesh, or what "
+        "an instrument wrote. For it are:",
+    ),
+    "step": dict(
+        type=Lengths(),
+        metavar="X[,Y]",
+        help="Distance of its points, in metres or as 2um; where the file does not say.",
+    ),
+    "height-unit": dict(
+        type=Lengths(1), metavar="X", help="What a height of 1, or a grey level, is, likewise."
+    ),
+    "periodic": dict(is_flag=True, help="It goes on at its sides; else its mirror images do."),
+    "detrend": dict(
+        type=click.IntRange(0, 8),
+        default=1,
+        metavar="N",
+        help="Degree of the polynomial taken out of it; 1: a plane.",
+    ),
+    "filter": dict(
+        type=Lengths(1), metavar="L", help="Smooth away what is shorter (ISO 16610, Gaussian)."
+    ),
+    "wavelength": dict(
+        type=Lengths(1), metavar="L", help="Say where geometrical optics does not hold."
     ),
     "max-order": dict(
         type=Count(),
@@ -345,10 +394,6 @@ VARIANTS = {
 """Options that some commands have in another form, by the name that the user types."""
 
 
-SPELLED_TOO = {"mesh": ("--save-mesh",)}
-"""Other spellings of an option."""
-
-
 def use(*names: str) -> Decorator:
     """Add the named options to a command, in this order."""
 
@@ -358,8 +403,7 @@ def use(*names: str) -> Decorator:
             settings.setdefault("show_default", settings.get("default") is not None)
             flag = VARIANTS.get(name, name)
             parameter = "as_json" if name == "json" else flag.replace("-", "_")
-            flags = (f"--{flag}", *SPELLED_TOO.get(name, ()))
-            function = click.option(*flags, parameter, **settings)(function)
+            function = click.option(f"--{flag}", parameter, **settings)(function)
         return function
 
     return decorate
@@ -386,6 +430,7 @@ MODEL_IN_COLOUR = (
     "rgb",
 )
 RESOLUTION = ("accuracy", "cells", "extent", "realisations", "waves")
+OF_FILE = ("step", "height-unit", "periodic", "detrend", "filter", "wavelength")
 FREE_PATH = ("free-path-theta", "free-path-height")
 REPORT = ("out", "force", "quiet", "json")
 

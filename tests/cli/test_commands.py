@@ -84,8 +84,8 @@ def test_bad_input_is_refused_in_a_sentence(command, words, said, tmp_path):
         ["--realisations", "1"],
         ["--accuracy", "0"],
         ["--slopes", "ggx"],
-        ["--mesh", "surface.txt"],
-        ["--mesh", "no/such/place.ply"],
+        ["--save-mesh", "surface.txt"],
+        ["--save-mesh", "no/such/place.ply"],
     ],
 )
 def test_bad_surfaces_are_refused(words, tmp_path):
@@ -216,7 +216,7 @@ def test_mesh_is_saved_and_not_overwritten(tmp_path):
     assert size[0] == pytest.approx(16, rel=0.04)
     assert size[1] == pytest.approx(160, rel=0.04)
     assert len(loaded.faces) == 2 * 32**2
-    assert "--mesh" in refused(*words[:-1], tmp_path / "r2")
+    assert "--save-mesh" in refused(*words[:-1], tmp_path / "r2")
 
 
 def test_what_is_not_finite_is_counted(tmp_path):
