@@ -116,6 +116,11 @@ class HeightField:
         as `surfaces.tracing.Tracer.trace` takes it."""
         return number, of if self.periodic else 4 * of
 
+    @property
+    def patch(self) -> Patch:
+        """The heights, and whether they go on at their sides."""
+        return Patch(self.heights, self.step, self.periodic)
+
     def describe(self, unit: str = "", wavelength: float | None = None) -> "Description":
         """Height parameters, slopes, correlation and fitted slope distributions, with error bars
         that say how far another piece of the same surface may be off; `unit` names that of the
@@ -123,7 +128,7 @@ class HeightField:
         leaves out."""
         from surfaces.describe import describe
 
-        return describe(Patch(self.heights, self.step, self.periodic), unit, wavelength)
+        return describe(self.patch, unit, wavelength)
 
     @cached_property
     def _scale(self) -> float:

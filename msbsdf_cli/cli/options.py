@@ -10,6 +10,7 @@ import click
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
+from msbsdf_cli.smith.slopes import OF_SURFACE
 from surfaces.materials import NAMES as MATERIALS
 from surfaces.materials._metals import METALS
 
@@ -200,6 +201,11 @@ _OPTIONS: dict[str, Any] = {
         help="What the facets are made of.",
     ),
     "slopes": dict(type=click.Choice(SLOPES), default="beckmann", help="Slope distribution."),
+    "slopes-or-surface": dict(
+        type=click.Choice([*SLOPES, OF_SURFACE]),
+        default="beckmann",
+        help="Slope distribution; surface: that of --surface.",
+    ),
     "gamma": dict(
         type=Real(lambda g: g > 1.5, "a gamma: a number above 1.5"),
         default="3",
@@ -385,6 +391,7 @@ _OPTIONS: dict[str, Any] = {
 
 VARIANTS = {
     "surface-slopes": "slopes",
+    "slopes-or-surface": "slopes",
     "eta-k-channels": "eta-k",
     "albedo-channels": "albedo",
     "theta-furnace": "theta",
@@ -430,7 +437,7 @@ MODEL_IN_COLOUR = (
     "rgb",
 )
 RESOLUTION = ("accuracy", "cells", "extent", "realisations", "waves")
-OF_FILE = ("step", "height-unit", "periodic", "detrend", "filter", "wavelength")
+OF_FILE = ("step", "height-unit", "periodic", "detrend", "filter")
 FREE_PATH = ("free-path-theta", "free-path-height")
 REPORT = ("out", "force", "quiet", "json")
 

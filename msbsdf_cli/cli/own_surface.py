@@ -1,11 +1,15 @@
-"""`msbsdf simulate --surface FILE`: the page of a surface that is given."""
+"""`--surface FILE`: the page of a surface that is given, for `simulate` and `walk`."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from msbsdf_cli.cli.options import OF_FILE
+from msbsdf_cli.smith.slopes import OF_SURFACE
+
+if TYPE_CHECKING:
+    from msbsdf_cli.cli.report import Report
 
 OF_RANDOM = ("alpha", "accuracy", "cells", "extent", "realisations", "waves", "convergence")
 """Options of surfaces that are made; those of a surface that is given are in the file."""
@@ -13,43 +17,64 @@ OF_RANDOM = ("alpha", "accuracy", "cells", "extent", "realisations", "waves", "c
 
 def check_options(options: dict[str, Any]) -> None:
     """Refuse options that belong to the other kind of surface. Raises click.UsageError."""
-    source = click.get_current_context().get_parameter_source
     given = options["surface"] is not None
-    for name in OF_RANDOM if given else OF_FILE:
+    if "realisations" not in options and given != (options["slopes"] == OF_SURFACE):
+        raise click.UsageError("--slopes surface and --surface FILE go together.")
+    source = click.get_current_context().get_parameter_source
+    for name in OF_RANDOM if given else (*OF_FILE, "wavelength"):
         if source(name.replace("-", "_")) is click.core.ParameterSource.COMMANDLINE:
-            reason = "that of a file is in it" if given else "it is for --surface FILE"
-            raise click.UsageError(
-                f"--{name} {'beside --surface' if given else 'without --surface'}: {reason}."
-            )
+            if given:
+                raise click.UsageError(f"--{name} beside --surface: that of a file is in it.")
+            raise click.UsageError(f"--{name} without --surface: it is for a file of heights.")
+
+
+def report(command: str, options: dict[str, Any]) -> "Report":
+    """The report of a command that reads a surface, in a place that does not hold it."""
+    from msbsdf_cli.cli.report import Report
+
+    file = Path(options["surface"])
+    return Report(command, f"{options['material']}-{file.stem}", options, (file,))
+
+
+def scene_of_slopes(options: dict[str, Any], warn: "Report") -> Any:
+    """The scene of the slopes of the surface, without heights. Raises click.BadParameter."""
+    from msbsdf_cli.cli import common
+    from msbsdf_cli.smith.slopes.surface import Surface
+
+    field = read(options)
+    warn.warn(list(field.notes))
+    try:
+        slopes = Surface.of(field.patch.slopes)
+    except ValueError as error:
+        raise click.BadParameter(f"{options['surface']}: {error}", param_hint="--surface") from None
+    options["alpha"] = slopes.alpha_x, slopes.alpha_y
+    return common.scene_from(options, slopes)
 
 
 def simulate(options: dict[str, Any]) -> None:
     """Read the surface, describe it, trace light on it, and write the report."""
     from msbsdf_cli.cli import common
-    from msbsdf_cli.cli.report import Report
     from msbsdf_cli.cli.runs import show_run, write_run
     from msbsdf_cli.cli.simulate import refuse_mesh
     from msbsdf_cli.experiments.own_surface import simulate_surface
     from msbsdf_cli.experiments.resolution import LEAST_RAYS
     from msbsdf_cli.run.executors import do_all
 
-    file = Path(options["surface"])
-    slug = f"{options['material']}-{file.stem}"
-    report = Report("simulate", slug, options, (file,))
+    place = report("simulate", options)
     refuse_mesh(options)
     free_paths = common.free_paths_from(options, "gaussian")
     field = read(options)
     about = described(field, options)
     options["alpha"] = tuple(about[f"alpha_{axis}"].value for axis in "xy")
     scene = common.scene_from(options)
-    report.warn([*common.scene_warnings(options), *field.notes, *about.warnings])
+    place.warn([*common.scene_warnings(options), *field.notes, *about.warnings])
     names = ("seed", "threads", "max_order", "quiet")
-    with report.draft() as draft:
+    with place.draft() as draft:
         options["samples"] = options["samples"] or LEAST_RAYS
         work = scene, field, options["samples"], free_paths
         result = simulate_surface(*work, *(options[name] for name in names))
         tables = {"roughness.csv": about.to_columns()}
-        lobes, pictures = write_run(report, draft, result, tables)
+        lobes, pictures = write_run(place, draft, result, tables)
         draw(draft, scene, field, options)
         do_all(pictures, options["threads"])
 
@@ -57,7 +82,7 @@ def simulate(options: dict[str, Any]) -> None:
         show_roughness(about)
         show_run(lobes, result, "rays")
 
-    report.end(show)
+    place.end(show)
 
 
 def read(options: dict[str, Any]) -> Any:

@@ -28,7 +28,7 @@ CELLS_OF_PICTURE = 32
 @click.command("simulate")
 @use(*MODEL_OF_SURFACES, "orders")
 @samples(None)
-@use(*RESOLUTION, "convergence", "save-mesh", "surface", *OF_FILE)
+@use(*RESOLUTION, "convergence", "save-mesh", "surface", *OF_FILE, "wavelength")
 @use("max-order", *FREE_PATH, "seed", "threads", *REPORT)
 def command(**options: Any) -> None:
     """Trace light on explicit surfaces: random Beckmann ones, or your own.

@@ -125,3 +125,21 @@ def test_what_belongs_to_a_file_is_refused_without_one(tmp_path):
     assert "no slopes along y" in refused("simulate", *words)
     assert "does not exist" in refused("simulate", "--surface", tmp_path / "b.npy")
     assert not (tmp_path / "r").exists()
+
+
+def test_a_walk_on_the_slopes_of_the_surface(tmp_path):
+    words = ["walk", "--slopes", "surface", "--surface", TERRAIN, "--step", "92.6,74.2", *FEW]
+    result = msbsdf(*words, "--theta", "1", "--out", tmp_path / "r", "--quiet")
+    assert result.returncode == 0, result.stderr
+    run = json.loads((tmp_path / "r" / "run.json").read_text())
+    assert run["options"]["alpha"] == pytest.approx([0.285, 0.303], abs=0.001)
+    energy = table(tmp_path / "r" / "energy.csv")
+    assert sum(float(row["energy"]) for row in energy) == pytest.approx(1)
+    assert float(energy[0]["energy"]) > 0.9
+    for half in (words[:3], ["walk", *words[3:7]]):
+        assert "go together" in refused(*half, "--out", tmp_path / "r2")
+    assert "--alpha beside --surface" in refused(*words, "--alpha", "1", "--out", tmp_path / "r2")
+    flat = tmp_path / "flat.npy"
+    np.save(flat, np.sin(np.arange(64.0))[:, None] + np.zeros(64))
+    words = ["walk", "--slopes", "surface", "--surface", flat, "--step", "1"]
+    assert "no rough surface" in refused(*words, "--out", tmp_path / "r2")
