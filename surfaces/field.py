@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surfaces.facet import Array
-from surfaces.heightfield import all_waves, synthesise
+from surfaces.heightfield import all_waves, shortened, synthesise
 from surfaces.levelling import levelled
 from surfaces.patch import Patch
+from surfaces.spectrum import spectrum
 from surfaces.streams import stream
 from surfaces.stretch import Stretch
-from surfaces.surface import Surface, faces, shortened
+from surfaces.surface import Surface, faces
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -67,19 +68,23 @@ class HeightField:
         seed: int = 0,
         extent: int = 12,
         cells: int = 16,
+        autocorrelation: str = "gaussian",
     ) -> "HeightField":
         """A Gaussian field of height variance 1 and Beckmann slopes of roughness `alpha` (Heitz
-        2015), of `extent` correlation lengths with `cells` cells each.
+        2015), of `extent` times 2 / alpha with `cells` cells each.
 
-        The mesh is shortened by a trifle, so that its facets have the slope variance alpha^2 / 2.
-        Raises ValueError for a roughness that is not above 0.
+        `autocorrelation` is `gaussian`, whose correlation length is 2 / alpha, `exponential`,
+        `matern:NU` or `power-law:H`. The mesh is shortened by a trifle, so that its facets have the
+        slope variance alpha^2 / 2. Raises ValueError for a roughness that is not above 0, or an
+        autocorrelation that is none.
         """
         alphas = (alpha, alpha) if isinstance(alpha, int | float) else tuple(alpha)
         if len(alphas) != 2 or not all(0 < a < np.inf for a in alphas):
             raise ValueError(f"alpha is {alpha}: one or two finite numbers above 0 are wanted.")
-        waves = all_waves(extent, stream(seed, "heightfield", 0, extent, 0))
+        kind = spectrum(autocorrelation)
+        waves = all_waves(extent, stream(seed, "heightfield", 0, extent, 0), kind)
         heights = synthesise(waves, extent, cells)
-        step_x, step_y = (2 / (a * shortened(cells)) for a in alphas)
+        step_x, step_y = (2 / (a * shortened(cells, extent, kind)) for a in alphas)
         return cls(heights, (step_x, step_y), isotropic_grid=True)
 
     @classmethod

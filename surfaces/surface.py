@@ -15,6 +15,8 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from surfaces.facet import Array
+from surfaces.heightfield import shortened
+from surfaces.spectrum import GAUSSIAN, Spectrum
 from surfaces.stretch import Stretch
 
 if TYPE_CHECKING:
@@ -26,7 +28,7 @@ MARGIN = 1
 
 @dataclass
 class Surface:
-    """A periodic heightfield, heights (nu, nv) over `cells` cells a correlation length.
+    """A periodic heightfield, heights (nu, nv) over `cells` cells a unit of length.
 
     Raises ValueError where either is odd: the triangles of both ends would not fit together.
     """
@@ -36,6 +38,8 @@ class Surface:
     rays: int = 0
     """Rays asked of Embree so far, and the seconds it took."""
     embree_s: float = 0.0
+    spectrum: Spectrum = GAUSSIAN
+    """Of a random field: how much of its slopes facets have."""
 
     def __post_init__(self) -> None:
         for period in (n for n in self.heights.shape if n % 2):
@@ -51,7 +55,7 @@ class Surface:
     def stretch(self, alpha_x: float, alpha_y: float, phi: float | None = None) -> Stretch:
         """From the world's coordinates to the grid's, for a roughness and, turned so that the
         period matters least, for light of azimuth `phi`."""
-        per_length = shortened(self.cells)
+        per_length = shortened(self.cells, len(self.heights) / self.cells, self.spectrum)
         return Stretch.of(alpha_x / 2 * per_length, alpha_y / 2 * per_length, phi)
 
     @cached_property
@@ -180,17 +184,6 @@ class Surface:
         u, v = np.meshgrid(*(np.arange(n, dtype=float) for n in h.shape), indexing="ij")
         vertices = stretch.to_world(np.stack([u, v, h]).reshape(3, -1))
         return trimesh.Trimesh(vertices.T, faces(*h.shape), process=False, validate=False)
-
-
-def shortened(cells: int) -> float:
-    """Cells a correlation length of a mesh whose facets have the slope variance of the field.
-
-    A flat facet spans one cell, and its slope is the mean over it: low in variance by
-    (1 - exp(-delta^2)) / delta^2, delta = 1 / cells. The surface is shortened by the root of that,
-    so that the facets, which is what light meets, have variance alpha^2 / 2 exactly.
-    """
-    delta2 = 1 / cells**2
-    return float(cells * np.sqrt(delta2 / -np.expm1(-delta2)))
 
 
 def corner_vertices(triangles: Array, columns: int) -> Array:

@@ -156,6 +156,23 @@ def _numbers(text: str, count: int | None = None) -> tuple[float, ...]:
     return numbers
 
 
+class Autocorrelation(click.ParamType):
+    """The name of a spectrum, and its parameter."""
+
+    name = "NAME[:X]"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        # Not above: it takes NumPy and SciPy.
+        from surfaces.spectrum import spectrum
+
+        if value == "gaussian":
+            return "gaussian"
+        try:
+            return spectrum(str(value)).name
+        except ValueError as error:
+            self.fail(f"{error}", param, ctx)
+
+
 UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
 
 
@@ -311,10 +328,15 @@ _OPTIONS: dict[str, Any] = {
     "cells": dict(
         type=Count(4, even=True, most=10_000),
         metavar="N",
-        help="Mesh cells a correlation length, even.",
+        help="Mesh cells in 2 / alpha, the correlation length if that is gaussian; even.",
     ),
-    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period in correlation lengths."),
+    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period in such lengths."),
     "realisations": dict(type=Count(2, most=1_000_000), metavar="N", help="Independent surfaces."),
+    "autocorrelation": dict(
+        type=Autocorrelation(),
+        default="gaussian",
+        help="Of the heights: gaussian, exponential, matern:NU or power-law:HURST.",
+    ),
     "waves": dict(
         type=Count(most=1_000_000),
         metavar="N",
@@ -436,7 +458,7 @@ MODEL_IN_COLOUR = (
     "albedo-channels",
     "rgb",
 )
-RESOLUTION = ("accuracy", "cells", "extent", "realisations", "waves")
+RESOLUTION = ("autocorrelation", "accuracy", "cells", "extent", "realisations", "waves")
 OF_FILE = ("step", "height-unit", "periodic", "detrend", "filter")
 FREE_PATH = ("free-path-theta", "free-path-height")
 REPORT = ("out", "force", "quiet", "json")

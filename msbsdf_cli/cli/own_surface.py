@@ -11,7 +11,16 @@ from msbsdf_cli.smith.slopes import OF_SURFACE
 if TYPE_CHECKING:
     from msbsdf_cli.cli.report import Report
 
-OF_RANDOM = ("alpha", "accuracy", "cells", "extent", "realisations", "waves", "convergence")
+OF_RANDOM = (
+    "alpha",
+    "autocorrelation",
+    "accuracy",
+    "cells",
+    "extent",
+    "realisations",
+    "waves",
+    "convergence",
+)
 """Options of surfaces that are made; those of a surface that is given are in the file."""
 
 

@@ -21,6 +21,8 @@ from msbsdf_cli.cli.options import (
 BYTES_PER_CELL = 600
 """Of a surface, its mesh and Embree's scene of it."""
 
+RESOLVED = ("cells", "extent", "realisations", "waves", "autocorrelation")
+
 CELLS_OF_PICTURE = 32
 """So that a person sees the surface and not the mesh."""
 
@@ -62,8 +64,8 @@ def command(**options: Any) -> None:
 
     def show() -> None:
         click.echo(
-            f"{resolution.realisations} surfaces of {resolution.extent} correlation lengths, "
-            f"{resolution.cells} cells each."
+            f"{resolution.realisations} surfaces of {resolution.lengths:.4g} correlation lengths, "
+            f"{resolution.cells * resolution.extent} cells along a side."
         )
         show_run(lobes, result, "rays")
 
@@ -75,7 +77,7 @@ def resolve(scene: Any, options: dict[str, Any]) -> Any:
     from msbsdf_cli.experiments.resolution import plan, rays
     from msbsdf_cli.run.memory import gigabytes, memory_bytes
 
-    given = (options[name] for name in ("cells", "extent", "realisations", "waves"))
+    given = (options[name] for name in RESOLVED)
     resolution = plan(scene, options["accuracy"], *given)
     options |= vars(resolution)
     options["samples"] = options["samples"] or rays(resolution)
@@ -83,9 +85,9 @@ def resolve(scene: Any, options: dict[str, Any]) -> Any:
     need *= min(options["threads"], resolution.realisations)
     if need > memory_bytes():
         raise click.BadParameter(
-            f"surfaces of {resolution.extent} correlation lengths with {resolution.cells} cells "
-            f"each need {gigabytes(need)} in {options['threads']} processes, and this machine has "
-            f"{gigabytes(memory_bytes())}.",
+            f"surfaces of {resolution.lengths:.4g} correlation lengths with "
+            f"{resolution.cells * resolution.extent} cells along a side need {gigabytes(need)} in "
+            f"{options['threads']} processes, and this machine has {gigabytes(memory_bytes())}.",
             param_hint="--extent, --cells, --threads",
         )
     return resolution
@@ -173,7 +175,7 @@ def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:
     from msbsdf_cli.results.files import write_csv
 
     rays = options["samples"], options["seed"], options["threads"], options["quiet"]
-    table = convergence(scene, *rays)
+    table = convergence(scene, *rays, autocorrelation=options["autocorrelation"])
     write_csv(draft / "convergence.csv", table)
     draw_convergence(table, draft)
 

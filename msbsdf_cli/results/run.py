@@ -93,6 +93,6 @@ def _tally(orders: int, angle: int, about: dict[str, Any], arrays: dict[str, Arr
     mine = {name.removeprefix(start): a for name, a in arrays.items() if name.startswith(start)}
     tally = Tally(orders)
     if "products" in mine:
-        tally = SurfaceTally(orders, len(mine["products"]), int(about["extent"]))
+        tally = SurfaceTally(orders, len(mine["products"]), float(about["extent"]))
     tally.restore(mine)
     return tally

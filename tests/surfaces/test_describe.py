@@ -9,10 +9,9 @@ from surfaces.describe.fits import KINDS, fitted
 from surfaces.describe.moments import height_parameters, slope_parameters
 from surfaces.describe.spread import block_means, covariance
 from surfaces.field import HeightField
-from surfaces.heightfield import all_waves, synthesise
+from surfaces.heightfield import all_waves, shortened, synthesise
 from surfaces.levelling import levelled
 from surfaces.patch import Patch
-from surfaces.surface import shortened
 
 CELLS = 8
 
@@ -67,7 +66,7 @@ def patches():
     """112 patches of 24 correlation lengths, cut from fields of 96, of roughness 0.6 and 0.3."""
     cells = 4
     n = 24 * cells
-    step = tuple(2 / (a * shortened(cells)) for a in (0.6, 0.3))
+    step = tuple(2 / (a * shortened(cells, 96)) for a in (0.6, 0.3))
     found = []
     for seed in range(7):
         whole = synthesise(all_waves(96, np.random.default_rng(seed)), 96, cells)
