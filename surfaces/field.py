@@ -16,6 +16,7 @@ from surfaces.spectrum import spectrum
 from surfaces.streams import stream
 from surfaces.stretch import Stretch
 from surfaces.surface import Surface, faces
+from surfaces.tracing import morton
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -46,6 +47,8 @@ class HeightField:
     which meet it without a step, and rays start on the patch itself."""
     notes: tuple[str, ...] = ()
     """Sentences on what was made of a file."""
+    unit: float | None = None
+    """Of heights where light is traced; None: their standard deviation."""
 
     def __post_init__(self) -> None:
         heights = np.asarray(self.heights, float)
@@ -121,6 +124,23 @@ class HeightField:
         as `surfaces.tracing.Tracer.trace` takes it."""
         return number, of if self.periodic else 4 * of
 
+    def window(self, number: int, of: int) -> "HeightField":
+        """The piece `number` of `of` = 4^m equal ones, with half as much around it on all sides,
+        as a period of its own, so that no more need be meshed to trace the light on one piece.
+
+        The piece is its first quarter, as `piece(0, 4)` has it. Where light leaves the window it
+        comes to the other end of it, as far away as the window is wide.
+        """
+        side = round(of**0.5)
+        corner = np.rint(morton(np.array([number / of]))[:, 0] * side).astype(int)
+        rows = []
+        for n, k in zip(self.heights.shape, corner, strict=True):
+            size = -(-n // side)
+            place = k * n // side + (np.arange(2 * size) + size // 2) % (2 * size) - size // 2
+            turned = place % (n if self.periodic else 2 * n)
+            rows.append(turned if self.periodic else np.minimum(turned, 2 * n - 1 - turned))
+        return HeightField(self.heights[np.ix_(*rows)], self.step, unit=self._scale)
+
     @property
     def patch(self) -> Patch:
         """The heights, and whether they go on at their sides."""
@@ -137,8 +157,7 @@ class HeightField:
 
     @cached_property
     def _scale(self) -> float:
-        """Standard deviation of the heights; tracing has it as the unit."""
-        return float(self.heights.std()) or 1.0
+        return self.unit or float(self.heights.std()) or 1.0
 
     @cached_property
     def surface(self) -> Surface:

@@ -73,6 +73,7 @@ def simulate(options: dict[str, Any]) -> None:
     refuse_mesh(options)
     free_paths = common.free_paths_from(options, "gaussian")
     field = read(options)
+    refuse_size(field, options["threads"])
     about = described(field, options)
     options["alpha"] = tuple(about[f"alpha_{axis}"].value for axis in "xy")
     scene = common.scene_from(options)
@@ -110,16 +111,19 @@ def read(options: dict[str, Any]) -> Any:
         )
     except ValueError as error:
         raise click.BadParameter(f"{error}", param_hint="--surface") from None
-    refuse_size(field)
     return field
 
 
-def refuse_size(field: Any) -> None:
+def refuse_size(field: Any, threads: int) -> None:
     """Refuse what this machine has no memory for. Raises click.BadParameter."""
     from msbsdf_cli.cli.simulate import BYTES_PER_CELL
+    from msbsdf_cli.experiments.own_surface import number_of_pieces
     from msbsdf_cli.run.memory import gigabytes, memory_bytes
 
+    number, windows = number_of_pieces(field)
     need = BYTES_PER_CELL * field.heights.size * (1 if field.periodic else 4)
+    if windows:
+        need = BYTES_PER_CELL * 4 * field.heights.size // number * threads
     if need > memory_bytes():
         raise click.BadParameter(
             f"{' x '.join(map(str, field.heights.shape))} points need {gigabytes(need)}, and this "

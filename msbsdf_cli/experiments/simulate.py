@@ -3,10 +3,9 @@
 import numpy as np
 
 from msbsdf_cli.checks import count, direction_in
-from msbsdf_cli.experiments.own_surface import PIECES, light_of_piece
+from msbsdf_cli.experiments.own_surface import light_on, number_of_pieces, parts
 from msbsdf_cli.model import described
 from msbsdf_cli.results.result import Result
-from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 from surfaces.field import HeightField
 from surfaces.materials import Material
@@ -27,19 +26,19 @@ def simulate(
     Rays start on the field's own heights; those that cross the sides of a patch meet its mirror
     images.
 
-    Standard errors are over 16 pieces of the surface, so that they say how far another piece of
-    the same kind of surface may be off, and not the noise of the rays alone. What is still under
-    way after `max_order` facets, and rays that are lost, count as unresolved. Raises ValueError
-    for what is out of range.
+    Standard errors are over 16 or more pieces of the surface, so that they say how far another
+    piece of the same kind of surface may be off, and not the noise of the rays alone. What is still
+    under way after `max_order` facets, and rays that are lost, count as unresolved. Raises
+    ValueError for what is out of range.
     """
     wi = direction_in(wi).astype(float)
     rays, orders = count(rays, "rays"), count(orders, "orders")
     seed, max_order = count(seed, "seed", 0), count(max_order, "max_order")
-    each = -(-rays // PIECES)
-    tallies = []
-    for piece in range(PIECES):
-        rng, tally = stream(seed, "rays", piece, 0), Tally(orders, independent=False)
-        tallies.append(light_of_piece(field, material, wi, each, piece, rng, tally, max_order))
+    number, windows = number_of_pieces(field)
+    each, tallies = -(-rays // number), []
+    for i, part in enumerate(parts(field, number, windows)):
+        rng = stream(seed, "rays", i, 0)
+        tallies.append(light_on(part, material, wi, each, rng, orders, max_order))
     settings = {
         "surface": field.fingerprint(),
         "material": described(material),

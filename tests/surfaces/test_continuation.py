@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import msbsdf_cli as ms
+from msbsdf_cli.experiments.own_surface import number_of_pieces, parts
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.field import HeightField
 from surfaces.free_path import Level
@@ -64,3 +65,23 @@ def test_pieces_are_all_of_the_surface(whole):
     for points, _ in parts[:4]:
         assert (points[0] < 193).all()
         assert (points[1] < 97).all()
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_windows_give_the_light_of_the_whole(whole, periodic, monkeypatch):
+    """The same rays, on pieces of 16 correlation lengths with 8 around each. What leaves a window
+    meets another place than on the whole: few at 1 radian, and like any other."""
+    field = HeightField(whole[:, :318], STEP, periodic=periodic)
+    wi = ms.direction(theta=1.0, phi=0.3)
+    full = ms.simulate(field, ms.Conductor(), wi, rays=64_000, seed=1)
+    monkeypatch.setattr("msbsdf_cli.experiments.own_surface.LARGE", 0)
+    monkeypatch.setattr("msbsdf_cli.experiments.own_surface.WINDOW", 200)
+    monkeypatch.setattr("msbsdf_cli.experiments.own_surface.AROUND", 6)
+    assert number_of_pieces(field) == (16, True)
+    part = next(parts(field, 16, True))
+    assert part.field.surface.heights.shape == (192, 160)
+    pieced = ms.simulate(field, ms.Conductor(), wi, rays=64_000, seed=1)
+    moved = np.abs(pieced.energy - full.energy)
+    assert 0 < moved.max() < 4 * np.sqrt(0.02 / 64_000)
+    monkeypatch.setattr("msbsdf_cli.experiments.own_surface.AROUND", 60)
+    assert number_of_pieces(field) == (16, False)
