@@ -89,7 +89,7 @@ def simulate(options: dict[str, Any]) -> None:
         do_all(pictures, options["threads"])
 
     def show() -> None:
-        show_roughness(about)
+        show_roughness(about, field)
         show_run(lobes, result, "rays")
 
     place.end(show)
@@ -167,7 +167,7 @@ def draw(draft: Path, scene: Any, field: Any, options: dict[str, Any]) -> None:
 SHOWN = ("sq", "correlation_length", "alpha_x", "alpha_y", "direction_rad", "student_t_gamma")
 
 
-def show_roughness(about: Any) -> None:
+def show_roughness(about: Any, field: Any) -> None:
     """Print what a reader would want to know first."""
     from msbsdf_cli.cli.terminal import measured, show_table
 
@@ -178,3 +178,6 @@ def show_roughness(about: Any) -> None:
             value = measured(scale * row.value, scale * row.stderr)
             lines.append((row.quantity, value, name))
     show_table(("quantity", "value", "unit"), lines)
+    size = " x ".join(map(str, field.heights.shape))
+    ends = "which go on at their sides" if field.periodic else "which their mirror images continue"
+    click.echo(f"{size} points, {ends}; errors come from how pieces of the surface differ.")

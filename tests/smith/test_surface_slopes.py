@@ -8,6 +8,7 @@ from chi_square import chi_square_p
 
 import msbsdf_cli as ms
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.slopes._visible_cells import AZIMUTH_BINS, POLAR_BINS, _corners
 from msbsdf_cli.smith.slopes.surface import SIDE, Surface
 
 
@@ -128,3 +129,18 @@ def test_impossible_slopes_are_refused(facets):
         Surface(1, 1)
     with pytest.raises(ValueError, match="from 0 to 4095"):
         Surface(1, 1, (4096,), (1.0,), 2.0)
+
+
+def test_bounds_hold_in_all_of_a_bin_and_a_cell(skewed, rng):
+    """What any direction sees of any corner of a cell; within it is in between."""
+    visible = skewed._visible
+    corners = _corners(visible.low, visible.size).reshape(2, 4, -1)
+    n = 3000
+    psi, phi = np.arcsin(rng.uniform(-1, 1, n)), rng.uniform(-np.pi, np.pi, n)
+    bins = ((psi / np.pi + 0.5) * POLAR_BINS).astype(int) * AZIMUTH_BINS
+    bins += ((phi / np.pi + 1) / 2 * AZIMUTH_BINS).astype(int)
+    for k, p, f in zip(bins, psi, phi, strict=True):
+        along = np.cos(f) * corners[0] + np.sin(f) * corners[1]
+        seen = (np.sin(p) - np.cos(p) * along).max(axis=0)
+        # Bounds are kept in single precision.
+        assert np.all(seen <= visible.bound[k] + 1e-6 * np.abs(seen))
