@@ -155,13 +155,16 @@ def unit(options: dict[str, Any]) -> str:
 
 
 def draw(draft: Path, scene: Any, field: Any, options: dict[str, Any]) -> None:
-    """Draw the surface, here where its mesh is, and save that where it is wanted."""
+    """Draw the surface, here where its mesh is, and save that where it is wanted; of a large one a
+    piece is drawn."""
     from msbsdf_cli.cli.simulate import write_mesh
+    from msbsdf_cli.experiments.own_surface import number_of_pieces, parts
     from msbsdf_cli.plots.surface import draw_surface
 
     if options["save_mesh"] is not None:
         write_mesh(Path(options["save_mesh"]), field.mesh())
-    draw_surface(draft, field.surface, field.stretch(0.0), scene.alpha)
+    part = next(parts(field, *number_of_pieces(field)))
+    draw_surface(draft, part.field.surface, part.field.stretch(0.0), scene.alpha)
 
 
 SHOWN = ("sq", "correlation_length", "alpha_x", "alpha_y", "direction_rad", "student_t_gamma")
