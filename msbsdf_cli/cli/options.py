@@ -156,21 +156,18 @@ def _numbers(text: str, count: int | None = None) -> tuple[float, ...]:
     return numbers
 
 
-class Autocorrelation(click.ParamType):
+class Autocorrelation(Typed):
     """The name of a spectrum, and its parameter."""
 
     name = "NAME[:X]"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+    def read(self, text: str) -> str:
+        if text == "gaussian":
+            return text
         # Not above: it takes NumPy and SciPy.
         from surfaces.spectrum import spectrum
 
-        if value == "gaussian":
-            return "gaussian"
-        try:
-            return spectrum(str(value)).name
-        except ValueError as error:
-            self.fail(f"{error}", param, ctx)
+        return spectrum(text).name
 
 
 UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "m": 1.0}

@@ -20,7 +20,9 @@ HILLS = ["simulate", "--surface", TERRAIN, "--step", "92.6,74.2", *FEW]
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     out = tmp_path_factory.mktemp("reports") / "r"
-    result = msbsdf(*HILLS, "--theta", "0.5,80deg", "--wavelength", "1000", "--out", out)
+    result = msbsdf(
+        *HILLS, "--theta", "0.5,80deg", "--wavelength", "1000", "--out", out, pictures=True
+    )
     assert result.returncode == 0, result.stderr
     return out, result
 
