@@ -43,7 +43,7 @@ class Scene:
         slopes, facets = (dict(settings[name]) for name in ("slopes", "material"))
         return cls(
             material(facets.pop("name"))(**{k: _tuples(v) for k, v in facets.items()}),
-            distribution(slopes.pop("name"))(**slopes),
+            distribution(slopes.pop("name"))(**{k: _tuples(v) for k, v in slopes.items()}),
             _tuples(settings["theta"]),
             settings["phi"],
             settings["orders"],

@@ -44,11 +44,22 @@ class Level:
         self.measure = np.hypot(*(self.ends[1] - self.ends[0])) / np.hypot(*self.slopes)
 
     def points(
-        self, d: Array, n: int, rng: np.random.Generator, side: float = 1.0
+        self,
+        d: Array,
+        n: int,
+        rng: np.random.Generator,
+        side: float = 1.0,
+        piece: tuple[int, int] = (0, 1),
     ) -> tuple[Array, float]:
         """`n` points (3, n) off the mesh, on facets whose upper (`side` 1) or lower (-1) side faces
-        along `d` (3,) of the mesh, and their measure; none, where there is no such facet."""
+        along `d` (3,) of the mesh, and their measure; none, where there is no such facet. `piece`
+        (i, 4^m) is where on the mesh, as `Tracer.trace` has it."""
         faces = side * (d[2] - self.slopes[0] * d[0] - self.slopes[1] * d[1]) > 0
+        if piece[1] > 1:
+            size = self.surface.period / np.sqrt(piece[1])
+            corner = morton(np.array([piece[0] / piece[1]])) * self.surface.period
+            place = (self.ends[0] + self.ends[1]) / 2 - corner
+            faces &= ((place >= 0) & (place < size)).all(axis=0)
         facing = np.flatnonzero(faces)
         if facing.size == 0:
             return np.empty((3, 0)), 0.0
@@ -70,13 +81,21 @@ class FreePathTracer:
     views: Views
     levels: dict[float, Level] = field(default_factory=dict)
 
-    def next_heights(self, d: Array, start: float, n: int, rng: np.random.Generator) -> FreePaths:
+    def next_heights(
+        self,
+        d: Array,
+        start: float,
+        n: int,
+        rng: np.random.Generator,
+        piece: tuple[int, int] = (0, 1),
+    ) -> FreePaths:
         """Heights of the facets that about `n` rays in direction `d` (3,) meet next, from the
-        height `start`, infinite for rays that arrive from outside."""
+        height `start`, infinite for rays that arrive from outside; they start on the `piece`
+        (i, 4^m) of the mesh."""
         directions = (self.views.to_mesh @ d).T
         each = -(-n // directions.shape[1])
         parts = [
-            self._departures(along, start, float(side), each, rng)
+            self._departures(along, start, float(side), each, rng, piece)
             for along, side in zip(directions.T, SIDE, strict=False)
         ]
         measure = np.array([part[1] for part in parts])
@@ -102,19 +121,26 @@ class FreePathTracer:
         return FreePaths(*found, escaped, lost, float(measure.mean()))
 
     def _departures(
-        self, along: Array, start: float, side: float, n: int, rng: np.random.Generator
+        self,
+        along: Array,
+        start: float,
+        side: float,
+        n: int,
+        rng: np.random.Generator,
+        piece: tuple[int, int],
     ) -> tuple[Array, float]:
         """Origins (3, n) of the mesh for one view, whose upper side is the mesh's upper (`side` 1)
         or lower one (-1), in the direction `along` (3,), and their measure."""
         if np.isinf(start):
             origins = np.empty((3, n))
-            origins[:2] = morton((np.arange(n) + rng.random(n)) / n) * self.surface.period
+            place = (np.arange(n) + rng.random(n)) / n
+            origins[:2] = morton((piece[0] + place) / piece[1]) * self.surface.period
             origins[2] = self.surface.top if side > 0 else self.surface.bottom
             return origins, 1.0
         height = side * start
         if height not in self.levels:
             self.levels[height] = Level(self.surface, height)
-        return self.levels[height].points(along, n, rng, side)
+        return self.levels[height].points(along, n, rng, side, piece)
 
 
 def _segment(corners: Array, height: float) -> tuple[Array, Array]:

@@ -38,7 +38,7 @@ def next_triangle(surface: Surface, o: Array, d: Array, inside: Array | None) ->
             start += to_rim.min(axis=0) * along
             over_u = to_rim[0] <= to_rim[1]
             for axis, over in ((0, over_u), (1, ~over_u)):
-                np.copyto(start[axis], surface.period - rim[axis], where=over)
+                np.copyto(start[axis], surface.period[axis] - rim[axis], where=over)
             for whole, some in zip(o, start, strict=True):
                 whole[seeking] = some
             found = surface.query(start, along)
@@ -56,7 +56,7 @@ def _rim(surface: Surface, o: Array, d: Array) -> tuple[Array, Array, Array]:
     what follows, has been searched. A ray straight up or down reaches no side, at an infinite
     height.
     """
-    rim = float(surface.period) * (d[:2] > 0)
+    rim = surface.period * (d[:2] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         to_rim = (rim - o[:2]) / d[:2]
     to_rim[d[:2] == 0] = np.inf

@@ -160,7 +160,7 @@ def test_units_of_length_do_not_matter(traced):
         (lambda: ms.Conductor(((1.0, np.inf),)), "index"),
         (lambda: ms.Conductor.named("tin"), "'tin' is not a metal known here: one of gold"),
         (lambda: ms.StudentT(1, 1, 1.0), "gamma"),
-        (lambda: ms.HeightField(np.zeros((16, 24)), (1, 1)), "square"),
+        (lambda: ms.HeightField(np.zeros((16, 3)), (1, 1)), "at least 4 x 4"),
         (lambda: ms.HeightField(np.full((8, 8), np.nan), (1, 1)), "not finite"),
         (lambda: ms.HeightField(np.zeros((8, 8)), (0, 1)), "step"),
         (lambda: ms.HeightField.random(alpha=0), "alpha"),

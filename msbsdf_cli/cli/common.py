@@ -8,7 +8,7 @@ import click
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
-from msbsdf_cli.smith.slopes import distribution, parameters
+from msbsdf_cli.smith.slopes import Slopes, distribution, parameters
 from surfaces.materials import NAMES as MATERIALS
 from surfaces.materials import Material, material
 
@@ -22,13 +22,16 @@ LONG_S = 60
 """Seconds, by rough estimates, from which a run is called long beforehand."""
 
 
-def scene_from(options: dict[str, Any]) -> Scene:
-    """The scene that options describe. Raises click.UsageError for what is none."""
-    name = options["slopes"]
-    shape = {parameter: options[parameter] for parameter in parameters(name)}
+def scene_from(options: dict[str, Any], slopes: Slopes | None = None) -> Scene:
+    """The scene that options describe, but for `slopes` that come from elsewhere. Raises
+    click.UsageError for what is none."""
+    if slopes is None:
+        name = options["slopes"]
+        shape = {parameter: options[parameter] for parameter in parameters(name)}
+        slopes = distribution(name)(*options["alpha"], **shape)
     return Scene(
         material_from(options),
-        distribution(name)(*options["alpha"], **shape),
+        slopes,
         options["theta"],
         options["phi"][0],
         options["orders"],

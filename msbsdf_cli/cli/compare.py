@@ -26,7 +26,7 @@ Pictures = list[Callable[[], None]]
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
 @use(*MODEL_OF_SURFACES, "orders", "method")
 @samples(None)
-@use(*RESOLUTION, "mesh", "max-order", *FREE_PATH, "seed", "threads", "precision", *REPORT)
+@use(*RESOLUTION, "save-mesh", "max-order", *FREE_PATH, "seed", "threads", "precision", *REPORT)
 def command(runs: tuple[str, ...], **options: Any) -> None:
     """Hold the Smith model against explicit surfaces: free paths and lobes.
 

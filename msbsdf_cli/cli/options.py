@@ -10,6 +10,7 @@ import click
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
+from msbsdf_cli.smith.slopes import OF_SURFACE
 from surfaces.materials import NAMES as MATERIALS
 from surfaces.materials._metals import METALS
 
@@ -155,6 +156,42 @@ def _numbers(text: str, count: int | None = None) -> tuple[float, ...]:
     return numbers
 
 
+class Autocorrelation(Typed):
+    """The name of a spectrum, and its parameter."""
+
+    name = "NAME[:X]"
+
+    def read(self, text: str) -> str:
+        if text == "gaussian":
+            return text
+        # Not above: it takes NumPy and SciPy.
+        from surfaces.spectrum import spectrum
+
+        return spectrum(text).name
+
+
+UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
+
+
+class Lengths(Typed):
+    """Lengths above 0, in metres or with a unit behind them: `2e-6`, `2um`, `2um,3um`."""
+
+    name = "X[,Y]"
+
+    def __init__(self, most: int = 2) -> None:
+        self.most = most
+
+    def read(self, text: str) -> tuple[float, ...]:
+        lengths = []
+        for part in map(str.strip, text.split(",")):
+            unit = next((u for u in UNITS if part.endswith(u)), "")
+            lengths.append(_numbers(part.removesuffix(unit))[0] * UNITS.get(unit, 1.0))
+        if len(lengths) > self.most or not all(0 < x < math.inf for x in lengths):
+            wanted = "a length above 0" if self.most == 1 else "one or two lengths above 0"
+            raise ValueError(f"{quoted(text)} is not {wanted}, such as 2e-6 or 2um.")
+        return tuple(lengths)
+
+
 class Methods(Typed):
     """Names of methods separated by commas, and of what else is `also` taken for one."""
 
@@ -178,6 +215,11 @@ _OPTIONS: dict[str, Any] = {
         help="What the facets are made of.",
     ),
     "slopes": dict(type=click.Choice(SLOPES), default="beckmann", help="Slope distribution."),
+    "slopes-or-surface": dict(
+        type=click.Choice([*SLOPES, OF_SURFACE]),
+        default="beckmann",
+        help="Slope distribution; surface: that of --surface.",
+    ),
     "gamma": dict(
         type=Real(lambda g: g > 1.5, "a gamma: a number above 1.5"),
         default="3",
@@ -283,10 +325,15 @@ _OPTIONS: dict[str, Any] = {
     "cells": dict(
         type=Count(4, even=True, most=10_000),
         metavar="N",
-        help="Mesh cells a correlation length, even.",
+        help="Mesh cells in 2 / alpha, the correlation length if that is gaussian; even.",
     ),
-    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period in correlation lengths."),
+    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period in such lengths."),
     "realisations": dict(type=Count(2, most=1_000_000), metavar="N", help="Independent surfaces."),
+    "autocorrelation": dict(
+        type=Autocorrelation(),
+        default="gaussian",
+        help="Of the heights: gaussian, exponential, matern:NU or power-law:HURST.",
+    ),
     "waves": dict(
         type=Count(most=1_000_000),
         metavar="N",
@@ -295,10 +342,37 @@ _OPTIONS: dict[str, Any] = {
     "convergence": dict(
         is_flag=True, help="Also measure what cells, period, waves and offset do to the energies."
     ),
-    "mesh": dict(
+    "save-mesh": dict(
         type=click.Path(dir_okay=False),
         metavar="FILE",
-        help="Save the first surface: .ply, .obj, .stl, .off or .glb.",
+        help="Save the surface, or the first: .ply, .obj, .stl, .off or .glb.",
+    ),
+    "surface": dict(
+        type=click.Path(exists=True, dir_okay=False),
+        metavar="FILE",
+        help="Heights of your own instead of random ones: an array, text, picture, mesh, or what "
+        "an instrument wrote. For it are:",
+    ),
+    "step": dict(
+        type=Lengths(),
+        metavar="X[,Y]",
+        help="Distance of its points, in metres or as 2um; where the file does not say.",
+    ),
+    "height-unit": dict(
+        type=Lengths(1), metavar="X", help="What a height of 1, or a grey level, is, likewise."
+    ),
+    "periodic": dict(is_flag=True, help="It goes on at its sides; else its mirror images do."),
+    "detrend": dict(
+        type=click.IntRange(0, 8),
+        default=1,
+        metavar="N",
+        help="Degree of the polynomial taken out of it; 1: a plane.",
+    ),
+    "filter": dict(
+        type=Lengths(1), metavar="L", help="Smooth away what is shorter (ISO 16610, Gaussian)."
+    ),
+    "wavelength": dict(
+        type=Lengths(1), metavar="L", help="Say where geometrical optics does not hold."
     ),
     "max-order": dict(
         type=Count(),
@@ -336,6 +410,7 @@ _OPTIONS: dict[str, Any] = {
 
 VARIANTS = {
     "surface-slopes": "slopes",
+    "slopes-or-surface": "slopes",
     "eta-k-channels": "eta-k",
     "albedo-channels": "albedo",
     "theta-furnace": "theta",
@@ -343,10 +418,6 @@ VARIANTS = {
     "method-or-surfaces": "method",
 }
 """Options that some commands have in another form, by the name that the user types."""
-
-
-SPELLED_TOO = {"mesh": ("--save-mesh",)}
-"""Other spellings of an option."""
 
 
 def use(*names: str) -> Decorator:
@@ -358,8 +429,7 @@ def use(*names: str) -> Decorator:
             settings.setdefault("show_default", settings.get("default") is not None)
             flag = VARIANTS.get(name, name)
             parameter = "as_json" if name == "json" else flag.replace("-", "_")
-            flags = (f"--{flag}", *SPELLED_TOO.get(name, ()))
-            function = click.option(*flags, parameter, **settings)(function)
+            function = click.option(f"--{flag}", parameter, **settings)(function)
         return function
 
     return decorate
@@ -385,7 +455,8 @@ MODEL_IN_COLOUR = (
     "albedo-channels",
     "rgb",
 )
-RESOLUTION = ("accuracy", "cells", "extent", "realisations", "waves")
+RESOLUTION = ("autocorrelation", "accuracy", "cells", "extent", "realisations", "waves")
+OF_FILE = ("step", "height-unit", "periodic", "detrend", "filter")
 FREE_PATH = ("free-path-theta", "free-path-height")
 REPORT = ("out", "force", "quiet", "json")
 

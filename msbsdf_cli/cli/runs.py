@@ -9,6 +9,7 @@ import click
 
 from msbsdf_cli.cli.report import Part
 from msbsdf_cli.cli.terminal import measured, show_table
+from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.run import Run, load_run
 from msbsdf_cli.results.seal import unsealed
@@ -21,8 +22,11 @@ SUMS = "sums.npz"
 """The sums that the tables of a run were made of."""
 
 
-def write_run(report: Part, draft: Path, run: Run) -> tuple[Lobes, list[Callable[[], None]]]:
-    """Write the report of a run into `draft`; the light that left, and what draws its pictures."""
+def write_run(
+    report: Part, draft: Path, run: Run, tables: dict[str, Table] | None = None
+) -> tuple[Lobes, list[Callable[[], None]]]:
+    """Write the report of a run into `draft`, with more `tables` by file name; the light that left,
+    and what draws its pictures."""
     from msbsdf_cli.plots.free_path import draw_free_paths
     from msbsdf_cli.plots.lobes import draw_lobes
     from msbsdf_cli.results.tables import all_tables
@@ -30,7 +34,7 @@ def write_run(report: Part, draft: Path, run: Run) -> tuple[Lobes, list[Callable
     lobes = run.lobes()
     figures = run.paths, run.bounces_mean, run.wall_s
     more = {"energies": summary(run)} | run.notes
-    report.write(draft, all_tables(run, lobes), *figures, more)
+    report.write(draft, all_tables(run, lobes) | (tables or {}), *figures, more)
     run.save(draft / SUMS)
     pictures: list[Callable[[], None]] = [
         partial(draw_lobes, lobes, draft),

@@ -8,10 +8,20 @@ from typing import Any
 
 import click
 
-from msbsdf_cli.cli.options import FREE_PATH, MODEL_OF_SURFACES, REPORT, RESOLUTION, samples, use
+from msbsdf_cli.cli.options import (
+    FREE_PATH,
+    MODEL_OF_SURFACES,
+    OF_FILE,
+    REPORT,
+    RESOLUTION,
+    samples,
+    use,
+)
 
 BYTES_PER_CELL = 600
 """Of a surface, its mesh and Embree's scene of it."""
+
+RESOLVED = ("cells", "extent", "realisations", "waves", "autocorrelation")
 
 CELLS_OF_PICTURE = 32
 """So that a person sees the surface and not the mesh."""
@@ -20,19 +30,24 @@ CELLS_OF_PICTURE = 32
 @click.command("simulate")
 @use(*MODEL_OF_SURFACES, "orders")
 @samples(None)
-@use(*RESOLUTION, "convergence", "mesh", "max-order", *FREE_PATH, "seed", "threads", *REPORT)
+@use(*RESOLUTION, "convergence", "save-mesh", "surface", *OF_FILE, "wavelength")
+@use("max-order", *FREE_PATH, "seed", "threads", *REPORT)
 def command(**options: Any) -> None:
-    """Trace light on explicit random Beckmann surfaces.
+    """Trace light on explicit surfaces: random Beckmann ones, or your own.
 
     Several independent periodic surfaces are made, meshed and traced with Embree; all standard
     errors come from the spread between them. Writes energies per order, moments, lobes, free paths
-    and a picture of the surface.
+    and a picture of the surface. With --surface, also its roughness in figures.
     """
-    from msbsdf_cli.cli import common
+    from msbsdf_cli.cli import common, own_surface
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.cli.runs import show_run, write_run
     from msbsdf_cli.run.executors import do_all
 
+    own_surface.check_options(options)
+    if options["surface"] is not None:
+        own_surface.simulate(options)
+        return
     scene = common.scene_from(options)
     free_paths = common.free_paths_from(options, "gaussian")
     report = Report("simulate", scene.slug(), options)
@@ -49,8 +64,8 @@ def command(**options: Any) -> None:
 
     def show() -> None:
         click.echo(
-            f"{resolution.realisations} surfaces of {resolution.extent} correlation lengths, "
-            f"{resolution.cells} cells each."
+            f"{resolution.realisations} surfaces of {resolution.lengths:.4g} correlation lengths, "
+            f"{resolution.cells * resolution.extent} cells along a side."
         )
         show_run(lobes, result, "rays")
 
@@ -62,7 +77,7 @@ def resolve(scene: Any, options: dict[str, Any]) -> Any:
     from msbsdf_cli.experiments.resolution import plan, rays
     from msbsdf_cli.run.memory import gigabytes, memory_bytes
 
-    given = (options[name] for name in ("cells", "extent", "realisations", "waves"))
+    given = (options[name] for name in RESOLVED)
     resolution = plan(scene, options["accuracy"], *given)
     options |= vars(resolution)
     options["samples"] = options["samples"] or rays(resolution)
@@ -70,9 +85,9 @@ def resolve(scene: Any, options: dict[str, Any]) -> Any:
     need *= min(options["threads"], resolution.realisations)
     if need > memory_bytes():
         raise click.BadParameter(
-            f"surfaces of {resolution.extent} correlation lengths with {resolution.cells} cells "
-            f"each need {gigabytes(need)} in {options['threads']} processes, and this machine has "
-            f"{gigabytes(memory_bytes())}.",
+            f"surfaces of {resolution.lengths:.4g} correlation lengths with "
+            f"{resolution.cells * resolution.extent} cells along a side need {gigabytes(need)} in "
+            f"{options['threads']} processes, and this machine has {gigabytes(memory_bytes())}.",
             param_hint="--extent, --cells, --threads",
         )
     return resolution
@@ -80,21 +95,25 @@ def resolve(scene: Any, options: dict[str, Any]) -> Any:
 
 def refuse_mesh(options: dict[str, Any]) -> None:
     """Refuse a mesh file that cannot be written. Raises click.BadParameter."""
-    if options["mesh"] is None:
+    if options["save_mesh"] is None:
         return
-    path = Path(options["mesh"])
+    path = Path(options["save_mesh"])
     formats = ("ply", "obj", "stl", "off", "glb")
     if path.suffix.lower().removeprefix(".") not in formats:
         raise click.BadParameter(
-            f"{path}: a mesh is written as one of .{', .'.join(formats)}.", param_hint="--mesh"
+            f"{path}: a mesh is written as one of .{', .'.join(formats)}.", param_hint="--save-mesh"
+        )
+    if options.get("surface") and path.resolve() == Path(options["surface"]).resolve():
+        raise click.BadParameter(
+            f"{path} is the surface that is read; name another file.", param_hint="--save-mesh"
         )
     if path.exists() and not options["force"]:
         raise click.BadParameter(
             f"{path} is already there; name another file, or replace it with --force.",
-            param_hint="--mesh",
+            param_hint="--save-mesh",
         )
     if not path.absolute().parent.is_dir():
-        raise click.BadParameter(f"{path}: there is no such directory.", param_hint="--mesh")
+        raise click.BadParameter(f"{path}: there is no such directory.", param_hint="--save-mesh")
 
 
 def effort(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
@@ -141,11 +160,12 @@ def draw(draft: Path, scene: Any, resolution: Any, options: dict[str, Any]) -> C
     from msbsdf_cli.experiments.realisations import realisation
     from msbsdf_cli.plots.surface import draw_surface
 
-    if options["mesh"] is not None:
+    if options["save_mesh"] is not None:
         surface = realisation(resolution, 0, options["seed"])
-        write_mesh(Path(options["mesh"]), surface.mesh(*scene.alpha))
+        write_mesh(Path(options["save_mesh"]), surface.mesh(surface.stretch(*scene.alpha)))
     finer = replace(resolution, cells=max(resolution.cells, CELLS_OF_PICTURE))
-    return partial(draw_surface, draft, realisation(finer, 0, options["seed"]), scene.alpha)
+    surface = realisation(finer, 0, options["seed"])
+    return partial(draw_surface, draft, surface, surface.stretch(*scene.alpha), scene.alpha)
 
 
 def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:
@@ -155,7 +175,7 @@ def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:
     from msbsdf_cli.results.files import write_csv
 
     rays = options["samples"], options["seed"], options["threads"], options["quiet"]
-    table = convergence(scene, *rays)
+    table = convergence(scene, *rays, autocorrelation=options["autocorrelation"])
     write_csv(draft / "convergence.csv", table)
     draw_convergence(table, draft)
 

@@ -96,7 +96,7 @@ def settings_from(scene: Any, options: dict[str, Any]) -> Any:
 
     resolution = None
     if options["surfaces"] and scene.slopes.name == "beckmann":
-        names = ("accuracy", "cells", "extent", "realisations", "waves")
+        names = ("accuracy", "cells", "extent", "realisations", "waves", "autocorrelation")
         resolution = plan(scene, *(options[name] for name in names))
         if options["realisations"] is None:
             resolution = replace(resolution, realisations=max(resolution.realisations, SURFACES))

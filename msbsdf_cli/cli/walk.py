@@ -4,26 +4,31 @@ from typing import Any
 
 import click
 
-from msbsdf_cli.cli.options import FREE_PATH, MODEL, REPORT, samples, use
+from msbsdf_cli.cli.options import FREE_PATH, MODEL, OF_FILE, REPORT, samples, use
 
 
 @click.command("walk")
-@use(*MODEL, "orders")
+@use(MODEL[0], "slopes-or-surface", *MODEL[2:], "orders")
 @samples("4e6")
-@use("max-order", *FREE_PATH, "seed", "threads", "precision", *REPORT)
+@use("max-order", *FREE_PATH, "surface", *OF_FILE, "seed", "threads", "precision", *REPORT)
 def command(**options: Any) -> None:
     """Run the Smith random walk: no surface, only its statistics.
 
     Writes energies per order, moments, lobes and free paths, with standard errors.
     """
-    from msbsdf_cli.cli import common
+    from msbsdf_cli.cli import common, own_surface
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.cli.runs import show_run, write_run
     from msbsdf_cli.run.executors import do_all
 
-    scene = common.scene_from(options)
+    own_surface.check_options(options)
+    if options["surface"] is None:
+        scene = common.scene_from(options)
+        report = Report("walk", scene.slug(), options)
+    else:
+        report = own_surface.report("walk", options)
+        scene = own_surface.scene_of_slopes(options, report)
     free_paths = common.free_paths_from(options, options["heights"])
-    report = Report("walk", scene.slug(), options)
     report.warn(common.scene_warnings(options) + common.facet_warnings(scene))
     report.warn(common.long_warnings(options, *effort(scene, options)))
     with report.draft() as draft:

@@ -5,7 +5,7 @@ is left; periods and numbers of waves on independent surfaces. Numbers of waves 
 surfaces, and so on many: it is each surface's few waves that differ, not its places.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -66,6 +66,7 @@ def convergence(
     workers: Workers,
     quiet: bool,
     steps: Steps | None = None,
+    autocorrelation: str = "gaussian",
 ) -> Table:
     """convergence.csv: energies, and their differences from the last value of each parameter.
 
@@ -75,7 +76,7 @@ def convergence(
     steps = steps or STEPS
     surfaces = steps.surfaces
     rays = max(samples // surfaces, 1)
-    base = Resolution(CELLS_ELSE, EXTENT, 0)
+    base = Resolution(CELLS_ELSE, EXTENT, 0, None, autocorrelation)
     paired = {"cells": steps.cells, "lift": LIFTS[::-1]} | ({"hits": HITS} if steps.hits else {})
     trials = [
         Trial(scene, parameter, values, i, base, rays, seed)
@@ -83,10 +84,10 @@ def convergence(
         for i in range(surfaces)
     ]
     independent: list[tuple[str, int | None, Resolution]] = [
-        ("extent", e, Resolution(CELLS_ELSE, e, 0)) for e in steps.extents
+        ("extent", e, replace(base, extent=e)) for e in steps.extents
     ]
     independent += [
-        ("waves", w, Resolution(CELLS_ELSE, EXTENT_OF_WAVES, 0, w)) for w in steps.waves
+        ("waves", w, replace(base, extent=EXTENT_OF_WAVES, waves=w)) for w in steps.waves
     ]
     for parameter, number, resolution in independent:
         count = _independent(surfaces, resolution.extent)
@@ -115,7 +116,7 @@ def _energies(trial: Trial) -> list[Array]:
     for value in trial.values:
         resolution = trial.resolution
         if trial.parameter == "cells":
-            resolution = Resolution(int(value or 0), resolution.extent, 0)
+            resolution = replace(resolution, cells=int(value or 0))
         field = trial.parameter, trial.number, resolution.extent, resolution.waves or 0
         rng = stream(trial.seed, "convergence heightfield", *field)
         surface = make_surface(resolution, rng)

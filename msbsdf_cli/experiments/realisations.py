@@ -18,6 +18,7 @@ from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 from surfaces.free_path import FreePathTracer
 from surfaces.heightfield import all_waves, some_waves, synthesise
+from surfaces.spectrum import spectrum
 from surfaces.streams import stream
 from surfaces.surface import Surface
 from surfaces.tracing import Tracer
@@ -39,12 +40,20 @@ class Resolution:
     """How finely and how often the surface is made."""
 
     cells: int
-    """Mesh cells a correlation length."""
+    """Mesh cells a unit of length, in which slopes have variance 2: for the Gaussian spectrum the
+    correlation length."""
     extent: int
-    """Period, in correlation lengths."""
+    """Period, in that unit."""
     realisations: int
     waves: int | None = None
     """Cosines summed; None: every wave of the period's lattice."""
+    autocorrelation: str = "gaussian"
+    """Of the heights, as `surfaces.spectrum.spectrum` has it."""
+
+    @property
+    def lengths(self) -> float:
+        """The period in correlation lengths."""
+        return self.extent / spectrum(self.autocorrelation).correlation_length
 
 
 @dataclass(frozen=True)
@@ -95,12 +104,13 @@ def realisation(resolution: Resolution, number: int, seed: int) -> Surface:
 
 def make_surface(resolution: Resolution, rng: np.random.Generator) -> Surface:
     """A random surface; from generators in the same state the same field for any cells."""
+    kind = spectrum(resolution.autocorrelation)
     if resolution.waves is None:
-        amplitudes = all_waves(resolution.extent, rng)
+        amplitudes = all_waves(resolution.extent, rng, kind)
     else:
-        amplitudes = some_waves(resolution.extent, resolution.waves, rng)
+        amplitudes = some_waves(resolution.extent, resolution.waves, rng, kind)
     heights = synthesise(amplitudes, resolution.extent, resolution.cells)
-    return Surface(heights, resolution.cells)
+    return Surface(heights, resolution.cells, spectrum=kind)
 
 
 def simulate(
@@ -137,7 +147,7 @@ def simulate(
         )
         for number in range(resolution.realisations)
     )
-    tallies = [SurfaceTally(scene.orders, NUMBER, resolution.extent) for _ in scene.theta]
+    tallies = [SurfaceTally(scene.orders, NUMBER, resolution.lengths) for _ in scene.theta]
     groups = LobeGroups(scene, resolution.realisations)
     notes = dict.fromkeys(("embree_s", "surface_s", "trace_s", "rays", "free_paths_lost"), 0.0)
     total = rays * resolution.realisations * len(scene.theta)

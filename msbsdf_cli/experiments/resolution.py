@@ -13,6 +13,7 @@ from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.discretisation import moved_by_period
 from surfaces.materials import Conductor, Material
+from surfaces.spectrum import GAUSSIAN, Spectrum, spectrum
 from surfaces.streams import stream
 
 PILOT_WALKS = 20_000
@@ -28,15 +29,15 @@ LEAST_RAYS = 1_000_000
 def rays(resolution: Resolution) -> int:
     """Rays for each incident angle that give about the least variance a second.
 
-    A surface costs as much as it has cells, (cells extent)^2, and its variance is as 1 / extent^2;
-    a ray costs and varies the same on all. So as many rays belong on a surface as
-    sqrt(variance of a ray / variance of a surface x cost of a surface / cost of a ray), which goes
-    as cells extent^2. Measured on 16 cells and 16 lengths, variance times seconds with 2000, 8000,
-    31000 and 125000 rays: 201, 70, 55 and 80 for the second order of a mirror of alpha 1 at theta
+    A surface costs as much as it has cells, (cells extent)^2, and its variance is as 1 / extent^2,
+    in correlation lengths; a ray costs and varies the same on all. So as many rays belong on a
+    surface as sqrt(variance of a ray / variance of a surface x cost of a surface / cost of a ray),
+    which goes as cells extent^2. Measured on 16 cells and 16 lengths, variance times seconds with
+    2000, 8000, 31000 and 125000 rays: 201, 70, 55 and 80 for the second order of a mirror of alpha 1 at theta
     0; 50, 21, 5 and 6 for the first of alpha 0.5 at theta 1; 336, 336, 412 and 747 for glass of
     alpha 1 at theta 1.5, the worst of all.
     """
-    each = 30_000 * (resolution.cells / 16) * (resolution.extent / 16) ** 2
+    each = 30_000 * (resolution.cells / 16) * resolution.extent * resolution.lengths / 16**2
     return max(LEAST_RAYS, round(each * resolution.realisations))
 
 
@@ -47,24 +48,45 @@ def plan(
     extent: int | None,
     realisations: int | None,
     waves: int | None,
+    autocorrelation: str = "gaussian",
 ) -> Resolution:
     """The resolution that keeps each bias below half of `accuracy` and the standard error of the
-    energy of an order near `accuracy`; what is given is taken as it is."""
+    energy of an order near `accuracy`; what is given is taken as it is.
+
+    Rules that were measured on Gaussian autocorrelations hold for others in what they come from:
+    facets that lack as much of the slopes' variance, and as many correlation lengths.
+    """
+    kind = spectrum(autocorrelation)
+    length = kind.correlation_length
     share = max(multiple_share(scene, m) for m in {Conductor(), scene.material})
     any_multiple = min(1.0, 40 * share)
     if cells is None:
         per_cell2 = 0.25 * share + 0.03 * any_multiple
-        cells = max(LEAST_CELLS, 2 * math.ceil(math.sqrt(2 * per_cell2 / accuracy) / 2))
+        like = max(LEAST_CELLS, 2 * math.ceil(math.sqrt(2 * per_cell2 / accuracy) / 2))
+        cells = as_fine(kind, like)
     if extent is None:
-        extent = LEAST_EXTENT
-        while 2 * moved_by_period(extent) * any_multiple > accuracy:
+        extent = 2 * math.ceil(LEAST_EXTENT * length / 2)
+        while 2 * moved_by_period(extent / length) * any_multiple > accuracy:
             extent += 2
     if realisations is None:
         # Which facet lets light through is decided at grazing by few high places.
         spread = 0.3 if scene.material.transmits else 0.17
-        deviation = spread * math.sqrt(share) / extent
+        deviation = spread * math.sqrt(share) * length / extent
         realisations = max(LEAST_REALISATIONS, math.ceil((deviation / accuracy) ** 2))
-    return Resolution(cells, extent, realisations, waves)
+    return Resolution(cells, extent, realisations, waves, autocorrelation)
+
+
+def as_fine(kind: Spectrum, cells: int) -> int:
+    """Cells, an even number, whose facets lack no more of the slopes' variance than those of so
+    many cells do with a Gaussian autocorrelation."""
+    enough = cells
+    while kind.chord_variance(enough) < GAUSSIAN.chord_variance(cells) - ROUNDING:
+        enough += 2
+    return enough
+
+
+ROUNDING = 1e-9
+"""Of a variance over a cell, which is 1 less little."""
 
 
 def multiple_share(scene: Scene, material: Material) -> float:

@@ -3,18 +3,13 @@
 import numpy as np
 
 from msbsdf_cli.checks import count, direction_in
+from msbsdf_cli.experiments.own_surface import light_on, number_of_pieces, parts
 from msbsdf_cli.model import described
 from msbsdf_cli.results.result import Result
-from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 from surfaces.field import HeightField
 from surfaces.materials import Material
 from surfaces.streams import stream
-from surfaces.tracing import Tracer
-
-PIECES = 16
-"""Pieces of the surface, squares of a quarter of its sides, whose scatter tells the error: known
-to a fifth. They are independent as far as a quarter of a side is long against the bumps."""
 
 
 def simulate(
@@ -28,24 +23,22 @@ def simulate(
 ) -> Result:
     """Trace `rays` rays from the unit vector `wi` (3,), z > 0, on a field that goes on and on.
 
-    Standard errors are over 16 pieces of the surface, so that they say how far another piece of
-    the same kind of surface may be off, and not the noise of the rays alone. What is still under
-    way after `max_order` facets, and rays that are lost, count as unresolved. Raises ValueError
-    for what is out of range.
+    Rays start on the field's own heights; those that cross the sides of a patch meet its mirror
+    images.
+
+    Standard errors are over 16 or more pieces of the surface, so that they say how far another
+    piece of the same kind of surface may be off, and not the noise of the rays alone. What is still
+    under way after `max_order` facets, and rays that are lost, count as unresolved. Raises
+    ValueError for what is out of range.
     """
     wi = direction_in(wi).astype(float)
     rays, orders = count(rays, "rays"), count(orders, "orders")
     seed, max_order = count(seed, "seed", 0), count(max_order, "max_order")
-    phi = float(np.arctan2(wi[1], wi[0]))
-    tracer = Tracer(field.surface, field.stretch(phi), material)
-    each = -(-rays // PIECES)
-    tallies = []
-    for piece in range(PIECES):
-        tally = Tally(orders, independent=False)
-        rng = stream(seed, "rays", piece, 0)
-        for light in tracer.trace(wi, each, rng, max_order, (piece, PIECES)):
-            tally.add(light)
-        tallies.append(tally)
+    number, windows = number_of_pieces(field)
+    each, tallies = -(-rays // number), []
+    for i, part in enumerate(parts(field, number, windows)):
+        rng = stream(seed, "rays", i, 0)
+        tallies.append(light_on(part, material, wi, each, rng, orders, max_order))
     settings = {
         "surface": field.fingerprint(),
         "material": described(material),

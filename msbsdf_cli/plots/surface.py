@@ -8,6 +8,7 @@ import numpy as np
 from msbsdf_cli.plots.style import save
 from surfaces.facet import Array
 from surfaces.periodic import meet, next_triangle
+from surfaces.stretch import Stretch
 from surfaces.surface import Surface
 
 PIXELS = 420
@@ -16,16 +17,22 @@ WIDTH = 8
 """Width of the view in correlation lengths, their geometric mean where they differ."""
 
 
-def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float]) -> None:
-    """surface.png: the surface seen aslant, lit from a side, with shadows; and from above, its
-    heights over one period."""
+def draw_surface(
+    directory: Path, surface: Surface, stretch: Stretch, alpha: tuple[float, float]
+) -> None:
+    """surface.png: the surface of roughness `alpha` that `stretch` makes of a mesh, seen aslant,
+    lit from a side, with shadows; and from above, its heights over one period."""
     figure, (left, right) = plt.subplots(
         1, 2, figsize=(8, 3.2), width_ratios=[1.25, 1], layout="constrained"
     )
-    left.imshow(_view(surface, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear")
-    left.set_title(f"alpha = {alpha[0]:g}, {alpha[1]:g}: seen from 35 degrees above the horizon")
+    left.imshow(
+        _view(surface, stretch, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear"
+    )
+    left.set_title(
+        f"alpha = {alpha[0]:.3g}, {alpha[1]:.3g}: seen from 35 degrees above the horizon"
+    )
     left.axis("off")
-    lengths = surface.period / np.diag(surface.stretch(*alpha).matrix)[:2]
+    lengths = surface.period[:, 0] / np.diag(stretch.matrix)[:2]
     picture = right.imshow(
         surface.heights.T,
         origin="lower",
@@ -39,9 +46,8 @@ def draw_surface(directory: Path, surface: Surface, alpha: tuple[float, float]) 
     save(figure, directory / "surface.png")
 
 
-def _view(surface: Surface, alpha: tuple[float, float]) -> Array:
+def _view(surface: Surface, stretch: Stretch, alpha: tuple[float, float]) -> Array:
     """Brightness (PIXELS, PIXELS) of a diffuse surface under a low lamp, seen by parallel rays."""
-    stretch = surface.stretch(*alpha)
     elevation = np.radians(35)
     view = np.array([0.0, np.cos(elevation), -np.sin(elevation)])
     up = np.array([0.0, np.sin(elevation), np.cos(elevation)])

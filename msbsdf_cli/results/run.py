@@ -92,7 +92,7 @@ def _tally(orders: int, angle: int, about: dict[str, Any], arrays: dict[str, Arr
     start = f"light_{angle}_"
     mine = {name.removeprefix(start): a for name, a in arrays.items() if name.startswith(start)}
     tally = Tally(orders)
-    if about["kind"] == "simulate":
-        tally = SurfaceTally(orders, len(mine["products"]), int(about["extent"]))
+    if "products" in mine:
+        tally = SurfaceTally(orders, len(mine["products"]), float(about["extent"]))
     tally.restore(mine)
     return tally

@@ -65,7 +65,7 @@ def _weight(cells: int, coarser: int) -> float:
     return 1 / ((cells / coarser) ** 2 - 1) if cells > coarser else 0.0
 
 
-def squared_errors(tally: Tally, value: Array, more: Tally, doubt: Tally, extent: int) -> Array:
+def squared_errors(tally: Tally, value: Array, more: Tally, doubt: Tally, extent: float) -> Array:
     """Squares of the errors of cells and period in `value`, a row of figures of `tally`.
 
     `more` and `doubt` are sums of what `extrapolated` gives. The mesh's error is taken to be as

@@ -33,7 +33,7 @@ class SurfaceTally(Tally):
     their errors hold what is in doubt about that, and the period's.
     """
 
-    def __init__(self, orders: int, controls: int, extent: int) -> None:
+    def __init__(self, orders: int, controls: int, extent: float) -> None:
         super().__init__(orders)
         self.products = np.zeros((controls, self.sums.shape[1]))
         """Sums of products of controls and figures."""

@@ -84,8 +84,8 @@ def test_bad_input_is_refused_in_a_sentence(command, words, said, tmp_path):
         ["--realisations", "1"],
         ["--accuracy", "0"],
         ["--slopes", "ggx"],
-        ["--mesh", "surface.txt"],
-        ["--mesh", "no/such/place.ply"],
+        ["--save-mesh", "surface.txt"],
+        ["--save-mesh", "no/such/place.ply"],
     ],
 )
 def test_bad_surfaces_are_refused(words, tmp_path):
@@ -216,7 +216,7 @@ def test_mesh_is_saved_and_not_overwritten(tmp_path):
     assert size[0] == pytest.approx(16, rel=0.04)
     assert size[1] == pytest.approx(160, rel=0.04)
     assert len(loaded.faces) == 2 * 32**2
-    assert "--mesh" in refused(*words[:-1], tmp_path / "r2")
+    assert "--save-mesh" in refused(*words[:-1], tmp_path / "r2")
 
 
 def test_what_is_not_finite_is_counted(tmp_path):
@@ -301,3 +301,17 @@ def test_a_full_disk_is_a_sentence():
     assert result.returncode == 1
     assert "Traceback" not in result.stderr
     assert "/proc/nowhere" in result.stderr
+
+
+def test_random_surfaces_of_another_autocorrelation(tmp_path):
+    words = [*QUICK["simulate"], "--theta", "80deg", "--autocorrelation", "power-law:0.8"]
+    assert msbsdf(*words, "--out", tmp_path / "r", "--quiet").returncode == 0
+    run = json.loads((tmp_path / "r" / "run.json").read_text())
+    assert run["options"]["autocorrelation"] == "power-law:0.8"
+    other = [*QUICK["simulate"], "--theta", "80deg", "--out", tmp_path / "s", "--quiet"]
+    assert msbsdf(*other).returncode == 0
+    first, second = (table(tmp_path / name / "energy.csv") for name in "rs")
+    assert [row["energy"] for row in first] != [row["energy"] for row in second]
+    sentence = refused("simulate", "--autocorrelation", "matern", "--out", tmp_path / "t")
+    assert "--autocorrelation" in sentence
+    assert "matern:NU" in sentence

@@ -181,7 +181,7 @@ def test_free_paths_from_outside_match_first_hits():
 
 def turned(surface, view):
     """The surface that the mesh is in one of its views, made of its own heights."""
-    n = surface.period
+    n = len(surface.heights)
     i, j = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
     for _ in range(view % 4):
         i, j = -j, i

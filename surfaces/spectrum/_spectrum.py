@@ -1,0 +1,88 @@
+"""What a spectrum of heights is, and what follows from its shape alone.
+
+A field has unit height variance and, along each axis, the slope variance 2, whatever its spectrum:
+its unit of length follows from that. So a surface of roughness alpha has Beckmann's slopes of
+variance alpha^2 / 2 once it is stretched by 2 / alpha, and spectra differ in nothing but how
+heights correlate.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import j0
+
+from surfaces.facet import Array
+from surfaces.quadrature import gauss
+
+NODES = 400
+"""Between kinks of a spectrum: some for each wave of its autocorrelation at 20 lengths."""
+
+
+@dataclass(frozen=True)
+class Spectrum(ABC):
+    """An isotropic power spectrum up to the wave number `k_max`, above which there is nothing."""
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """As on the command line."""
+
+    @abstractmethod
+    def shape(self, q: Array) -> Array:
+        """Power per area of wave vectors, up to a factor, over wave numbers in any unit."""
+
+    @property
+    @abstractmethod
+    def knots(self) -> tuple[float, ...]:
+        """Wave numbers between which the shape is smooth; the last is where it ends."""
+
+    @cached_property
+    def _nodes(self) -> tuple[Array, Array]:
+        """Wave numbers and the power at each, which sums to 1, in the field's unit of length."""
+        x, weight = gauss(NODES)
+        q, power = [], []
+        for low, high in zip((0.0, *self.knots[:-1]), self.knots, strict=True):
+            q.append(low + (high - low) * x)
+            power.append(self.shape(q[-1]) * q[-1] * (high - low) * weight)
+        wave, share = np.concatenate(q), np.concatenate(power)
+        share /= share.sum()
+        # The slope variance along an axis is half of the mean square of wave numbers.
+        return wave * (2 / np.sqrt(share @ wave**2)), share
+
+    @cached_property
+    def length(self) -> float:
+        """The unit of wave numbers of `shape`, in the field's."""
+        return float(self.knots[-1] / self.k_max)
+
+    @cached_property
+    def k_max(self) -> float:
+        """Wave number, in the field's unit, beyond which no wave is laid."""
+        wave, _ = self._nodes
+        x, _ = gauss(NODES)
+        low = self.knots[-2] if len(self.knots) > 1 else 0.0
+        return float(wave[-1] * self.knots[-1] / (low + (self.knots[-1] - low) * x[-1]))
+
+    def power(self, k: Array) -> Array:
+        """Power per area of wave vectors, up to a factor, at wave numbers of the field."""
+        return np.where(k <= self.k_max, self.shape(np.minimum(k, self.k_max) * self.length), 0)
+
+    def autocorrelation(self, r: Array) -> Array:
+        """Of heights, distances `r` (n,) apart."""
+        wave, share = self._nodes
+        return np.asarray(j0(np.multiply.outer(r, wave)) @ share)
+
+    @cached_property
+    def correlation_length(self) -> float:
+        """Distance at which the autocorrelation has fallen to 1/e."""
+        r = np.linspace(0, 40, 4001)
+        first = int(np.argmax(self.autocorrelation(r) < 1 / np.e))
+        ends = r[first - 1], r[first]
+        return float(brentq(lambda x: self.autocorrelation(np.array([x]))[0] - 1 / np.e, *ends))
+
+    def chord_variance(self, cells: float) -> float:
+        """Variance of the slope over a cell, along an axis, over that at a point; less than 1."""
+        wave, share = self._nodes
+        return float(((1 - j0(wave / cells)) @ share) * cells**2)
