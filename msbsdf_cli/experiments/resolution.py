@@ -33,9 +33,9 @@ def rays(resolution: Resolution) -> int:
     in correlation lengths; a ray costs and varies the same on all. So as many rays belong on a
     surface as sqrt(variance of a ray / variance of a surface x cost of a surface / cost of a ray),
     which goes as cells extent^2. Measured on 16 cells and 16 lengths, variance times seconds with
-    2000, 8000, 31000 and 125000 rays: 201, 70, 55 and 80 for the second order of a mirror of alpha 1 at theta
-    0; 50, 21, 5 and 6 for the first of alpha 0.5 at theta 1; 336, 336, 412 and 747 for glass of
-    alpha 1 at theta 1.5, the worst of all.
+    2000, 8000, 31000 and 125000 rays: 201, 70, 55 and 80 for the second order of a mirror of alpha
+    1 at theta 0; 50, 21, 5 and 6 for the first of alpha 0.5 at theta 1; 336, 336, 412 and 747 for
+    glass of alpha 1 at theta 1.5, the worst of all.
     """
     each = 30_000 * (resolution.cells / 16) * resolution.extent * resolution.lengths / 16**2
     return max(LEAST_RAYS, round(each * resolution.realisations))
