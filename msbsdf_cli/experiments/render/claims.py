@@ -24,8 +24,8 @@ from surfaces.materials import Conductor, Dielectric, Diffuse, Material
 PAIR = "single", "walk-low-variance"
 """Without later bounces, and with them."""
 
-SETTINGS = Settings(96, 64, 16)
-REPEATS = 8
+SETTINGS = Settings(96, 64, 64)
+REPEATS = 6
 """Independent pairs of pictures, which take turns; their scatter is the standard error."""
 
 GOLD = Conductor.named("gold", rgb=True)

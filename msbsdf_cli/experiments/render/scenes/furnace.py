@@ -25,7 +25,7 @@ def stage(texture: str) -> Stage:
     radius[[0, -1]] = 0
     sphere = turned(np.stack([radius, np.sin(angle)], axis=1), SECTIONS, (-1.15, 0.0))
     vase = turned(_vase(), SECTIONS, (1.15, 0.0))
-    camera = Camera((0.0, -6.5, 3.0), (0.0, 0.0, 0.0), 0.62, 2.0)
+    camera = Camera((0.0, -6.5, 3.0), (0.0, 0.0, 0.0), 0.74, 2.0)
     return Stage(together(sphere, vase), camera, Lights())
 
 
