@@ -94,12 +94,9 @@ class Exact(SampledByWalk):
         return Evaluation(value, stderr)
 
     def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
-        out, start = outgoing(self.slopes, wo, each=True), np.arange(wo.shape[1])
-        estimate = Estimate(self.material.channels, 0, out.n)
-        self._follow(-wi, start, out, estimate, rng)
-        estimate.close_batch()
+        out = outgoing(self.slopes, wo, each=True)
         first = first_order_of_each(self.slopes, self.material, wi, out, rng)
-        return first + estimate.sums[:, 0]
+        return first + self._one_path_each(self._follow, wi, out, rng)
 
     def _follow(
         self,

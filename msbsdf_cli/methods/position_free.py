@@ -52,12 +52,9 @@ class PositionFree(FollowsPaths):
         return Evaluation(value, stderr)
 
     def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
-        out, start = outgoing(self.slopes, wo, each=True), np.arange(wo.shape[1])
-        estimate = Estimate(self.material.channels, 0, out.n)
-        self._send(-wi, start, out, estimate, rng)
-        estimate.close_batch()
+        out = outgoing(self.slopes, wo, each=True)
         first = first_order_of_each(self.slopes, self.material, wi, out, rng, self.correlated)
-        return first + estimate.sums[:, 0]
+        return first + self._one_path_each(self._send, wi, out, rng)
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """By visible normals, leaving with the model's probability: perfect but for absorption."""

@@ -1,10 +1,12 @@
 """Sampling by random walks, and densities that stand in for the unknown one of such samples."""
 
 import sys
+from collections.abc import Callable
 
 import numpy as np
 
-from msbsdf_cli.methods.base import MethodBase, outgoing
+from msbsdf_cli.methods.base import MethodBase, Outgoing, outgoing
+from msbsdf_cli.methods.estimate import Estimate
 from msbsdf_cli.methods.single import phase_density
 from msbsdf_cli.methods.undersampling import undersampling_bound
 from msbsdf_cli.methods.walks import sample_each
@@ -63,6 +65,20 @@ class FollowsPaths(MethodBase):
 
     def pdf_each(self, wi: Array, wo: Array) -> Array:
         return broadened_pdf(self.slopes, self.material, wi, wo)
+
+    def _one_path_each(
+        self,
+        follow: Callable[[Array, Array, Outgoing, Estimate, np.random.Generator], None],
+        wi: Array,
+        out: Outgoing,
+        rng: np.random.Generator,
+    ) -> Array:
+        """What one path from each of `wi` (3, n), which `follow` follows, sends to an outgoing
+        direction of its own, all orders together, (channels, n)."""
+        estimate = Estimate(self.material.channels, 0, out.n)
+        follow(-wi, np.arange(out.n), out, estimate, rng)
+        estimate.close_batch()
+        return estimate.sums[:, 0]
 
 
 class SampledByWalk(FollowsPaths):

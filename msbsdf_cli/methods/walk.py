@@ -34,11 +34,7 @@ class Walk(SampledByWalk):
         return Evaluation(*estimate.mean(samples))
 
     def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
-        out = outgoing(self.slopes, wo, each=True)
-        estimate = Estimate(self.material.channels, 0, out.n)
-        self._follow(-wi, np.arange(out.n), out, estimate, rng)
-        estimate.close_batch()
-        return estimate.sums[:, 0]
+        return self._one_path_each(self._follow, wi, outgoing(self.slopes, wo, each=True), rng)
 
     def _follow(
         self,
