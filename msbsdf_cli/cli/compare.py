@@ -10,7 +10,9 @@ import click
 
 from msbsdf_cli.cli.options import (
     FREE_PATH,
+    MODEL,
     MODEL_OF_SURFACES,
+    OF_FILE,
     REPORT,
     RESOLUTION,
     VARIANTS,
@@ -24,16 +26,38 @@ Pictures = list[Callable[[], None]]
 
 @click.command("compare")
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
-@use(*MODEL_OF_SURFACES, "orders", "method")
+@use(MODEL[0], "slopes", "gamma", *MODEL_OF_SURFACES[2:], "orders", "method")
 @samples(None)
-@use(*RESOLUTION, "save-mesh", "max-order", *FREE_PATH, "seed", "threads", "precision", *REPORT)
+@use(
+    *RESOLUTION,
+    "save-mesh",
+    "surface",
+    *OF_FILE,
+    "wavelength",
+    "max-order",
+    *FREE_PATH,
+    "seed",
+    "threads",
+    "precision",
+    *REPORT,
+)
 def command(runs: tuple[str, ...], **options: Any) -> None:
     """Hold the Smith model against explicit surfaces: free paths and lobes.
 
     RUN is the directory of a report of `simulate` or `walk`; what is not given is run, for the
     same scene. Writes agreement.csv and pictures, and the reports that it made as directories.
     With --method, the lobes of other methods are held against the surfaces instead of the walk.
+
+    With --surface, says what part of the difference from your surface comes from the slope
+    distribution, which is fitted to it (the best one, or that of --slopes), what part from heights
+    that are correlated, and what part single scattering would add. Writes roughness.csv too.
     """
+    from msbsdf_cli.cli import compare_surface
+
+    compare_surface.check_options(runs, options)
+    if options["surface"] is not None:
+        compare_surface.compare(options)
+        return
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.run.executors import do_all

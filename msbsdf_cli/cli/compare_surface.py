@@ -1,0 +1,182 @@
+"""`msbsdf compare --surface FILE`"""
+
+from dataclasses import fields, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from msbsdf_cli.cli import own_surface
+
+if TYPE_CHECKING:
+    from msbsdf_cli.cli.report import Report
+    from msbsdf_cli.experiments.compare import Row
+
+
+def check_options(runs: tuple[str, ...], options: dict[str, Any]) -> None:
+    """Refuse options that belong to other comparisons. Raises click.UsageError."""
+    own_surface.check_options(options)
+    if options["surface"] is None:
+        if options["slopes"] != "beckmann":
+            raise click.UsageError(
+                f"--slopes {options['slopes']} without --surface: random surfaces are beckmann."
+            )
+    elif runs:
+        raise click.UsageError("reports beside --surface: light is traced on the surface itself.")
+    elif options["method"] is not None:
+        raise click.UsageError("--method beside --surface: its parts are those of the walk.")
+    if _given("gamma") and options["slopes"] != "student-t":
+        raise click.UsageError("--gamma without --slopes student-t: no other slopes have one.")
+
+
+def _given(option: str) -> bool:
+    source = click.get_current_context().get_parameter_source(option)
+    return source is click.core.ParameterSource.COMMANDLINE
+
+
+def compare(options: dict[str, Any]) -> None:
+    """Read the surface, describe it, trace and walk on it, and write the report."""
+    from msbsdf_cli.cli import common
+    from msbsdf_cli.cli.compare import write_part
+    from msbsdf_cli.cli.simulate import refuse_mesh
+    from msbsdf_cli.experiments.own_surface import simulate_surface
+    from msbsdf_cli.experiments.parts import parts, traced, walks_on
+    from msbsdf_cli.experiments.resolution import LEAST_RAYS
+    from msbsdf_cli.run.executors import do_all
+
+    place = own_surface.report("compare", options)
+    refuse_mesh(options)
+    free_paths = common.free_paths_from(options, "gaussian")
+    options["samples"] = options["samples"] or LEAST_RAYS
+    field = own_surface.read(options)
+    own_surface.refuse_size(field, options["threads"])
+    about = own_surface.described(field, options)
+    models, name = models_from(field, about, options)
+    scene = common.scene_from(options, models[name][0])
+    options |= {"slopes": name, "alpha": scene.alpha, "gamma": getattr(scene.slopes, "gamma", None)}
+    warn(place, scene, options, [*field.notes, *about.warnings], len(models))
+    names = ("seed", "threads", "max_order", "quiet")
+    with place.draft() as draft:
+        work = scene, field, options["samples"], free_paths
+        run = simulate_surface(*work, *(options[n] for n in names))
+        lobes, pictures = write_part(draft, run, options)
+        own_surface.draw(draft, scene, field, options)
+        of_walks = ("samples", "seed", "threads", "precision", "max_order", "quiet")
+        walks = walks_on(scene, models, *(options[n] for n in of_walks))
+        found = parts(scene, traced(lobes, run.paths // len(scene.theta)), walks, models, name)
+        pictures += write(place, draft, run, found, about)
+        do_all(pictures, options["threads"])
+
+    def show() -> None:
+        own_surface.show_roughness(about, field)
+        show_parts(found)
+        click.echo(f"\n{place.record['summary']}")
+
+    place.end(show)
+
+
+def models_from(field: Any, about: Any, options: dict[str, Any]) -> tuple[Any, str]:
+    """Slopes of the surface and distributions fitted to them; the name of the one to be judged,
+    which is the one wanted, or the simplest of those that fit as well as any."""
+    from msbsdf_cli.experiments.parts import models_of
+    from surfaces.describe.fits import KINDS, Kind
+
+    kinds: tuple[Kind, ...] = KINDS
+    wanted: str = options["slopes"]
+    if _given("gamma"):
+        tail = 1 / (options["gamma"] - 1)
+        kinds = tuple(replace(k, tail=tail) if k.name == "student_t" else k for k in kinds)
+    if not _given("slopes"):
+        misfits = {k.name: about[f"{k.name}_misfit"] for k in kinds}
+        best = min(misfits.values(), key=lambda row: row.value)
+        near = (n for n, m in misfits.items() if m.value <= best.value + best.stderr)
+        wanted = next(near).replace("_", "-")
+    return models_of(field.patch.slopes, kinds), wanted
+
+
+def warn(
+    place: "Report", scene: Any, options: dict[str, Any], sentences: list[str], models: int
+) -> None:
+    """Say what the surface is like, has no effect, or takes long."""
+    from msbsdf_cli.cli import common, walk
+
+    seconds, words = walk.effort(scene, options)
+    # On all of the surface, and again on its pieces.
+    long = common.long_warnings(options, 2 * models * seconds, f"{2 * models} times {words}")
+    place.warn([*common.scene_warnings(options), *sentences, *common.facet_warnings(scene), *long])
+
+
+def write(place: "Report", draft: Any, run: Any, found: Any, about: Any) -> list[Any]:
+    """Write the report into `draft`; what draws."""
+    from msbsdf_cli.cli.runs import summary
+    from msbsdf_cli.experiments.compare import Row
+    from msbsdf_cli.plots.parts import draw_parts
+    from msbsdf_cli.results.files import columns
+
+    tables = {
+        "agreement.csv": columns(found.rows, (f.name for f in fields(Row))),
+        "roughness.csv": about.to_columns(),
+    }
+    more = {"energies": summary(run), **run.notes, "summary": in_one_sentence(found)}
+    place.write(draft, tables, run.paths, run.bounces_mean, run.wall_s, more)
+    return [partial(draw_parts, found.rows, draft / "parts.png")]
+
+
+def in_one_sentence(found: Any) -> str:
+    """What a reader would want to know first: each part where it is largest."""
+    from msbsdf_cli.experiments.parts import PARTS
+
+    of_slopes, of_heights, of_bounces, whole = map(found.worst, (*PARTS, "whole"))
+    text = (
+        f"Of the light, {share(of_slopes)} goes elsewhere because the slopes are not those of "
+        f"{named(found.fitted)}, {share(of_heights)} because heights are correlated, together "
+        f"{share(whole)}, and {share(of_bounces)} would because single scattering leaves out later "
+        "bounces; "
+    )
+    if found.least is None:
+        return text + "no fitted distribution is within the part of correlated heights."
+    slopes, bounces = found.least
+    walk = {None: "all bounces of the walk", 1: "one bounce"}
+    words = walk.get(bounces, f"{bounces} bounces of the walk")
+    return (
+        text + f"the least model that is within the part of correlated heights is {named(slopes)} "
+        f"with {words}."
+    )
+
+
+def share(row: "Row") -> str:
+    """A share of the light in percent, with its error bar, and where."""
+    from math import floor, log10
+
+    value, error = 100 * max(row.own, 0), 100 * row.own_stderr
+    digits = min(max(-floor(log10(error)), 0), 4) if 0 < error < float("inf") else 3
+    return f"{value:.{digits}f} +- {error:.{digits}f} % (theta {row.theta_i_rad:.3g})"
+
+
+TITLES = {"beckmann": "Beckmann", "ggx": "GGX", "student-t": "Student-T"}
+
+
+def named(slopes: Any) -> str:
+    """A distribution with its roughness, as people say it."""
+    alpha = ", ".join(dict.fromkeys(f"{a:.3g}" for a in slopes.alpha))
+    gamma = f" (gamma {slopes.gamma:.3g})" if hasattr(slopes, "gamma") else ""
+    return f"{TITLES[slopes.name]} {alpha}{gamma}"
+
+
+def show_parts(found: Any) -> None:
+    """Print the parts, and what each model would leave out."""
+    from msbsdf_cli.cli.terminal import measured, show_table
+
+    lines = [
+        (
+            r.quantity,
+            f"{r.theta_i_rad:.4g}",
+            r.method,
+            r.order,
+            measured(r.own, r.own_stderr),
+            f"{r.z:.1f}",
+        )
+        for r in found.rows
+        if r.side == "all"
+    ]
+    show_table(("quantity", "theta", "slopes", "bounces", "share elsewhere", "z"), lines)
