@@ -12,8 +12,6 @@ walks on the slopes of its pieces, and on what is fitted to these.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby
-from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -107,30 +105,43 @@ def walks_on(
     angles, each = len(scene.theta), -(-samples // PIECES)
     wi = [scene.wi(theta, np.dtype(precision).type) for theta in scene.theta]
 
-    def work() -> Iterator[WalkJob]:
-        index = 0
-        for slopes in (s for found in models.values() for s in found):
-            # What is tabulated of slopes is tabulated here, once for all jobs.
-            slopes.sigma(wi[0][:, None])
-            walks = each if index // angles % (PIECES + 1) else samples
-            for w in wi:
-                model = Smith(slopes, scene.material)
-                yield from jobs(model, w, walks, scene.orders, seed, max_order, index)
-                index += 1
+    def work() -> Iterator[list[WalkJob]]:
+        every = [slopes for found in models.values() for slopes in found]
+        for number, slopes in enumerate(every):
+            whole, model = number % (PIECES + 1) == 0, Smith(slopes, scene.material)
+            walks, index = samples if whole else each, number * angles
+            what = walks, scene.orders, seed, max_order
+            mine = [job for i, w in enumerate(wi) for job in jobs(model, w, *what, index + i)]
+            size = -(-len(mine) // BATCHES) if whole else len(mine)
+            yield from (mine[at : at + size] for at in range(0, len(mine), size))
 
-    total, tallies = len(models) * angles * (samples + each * PIECES), []
+    total = len(models) * angles * (samples + each * PIECES)
+    tallies: dict[int, Tally] = {}
     with Progress("walk", total, "walks", quiet) as progress:
-        for _, found in groupby(map_ordered(run_walks, work(), workers), itemgetter(0)):
-            tally = Tally(scene.orders)
-            for _, part in found:
-                tally.merge(part)
+        for found in map_ordered(_run, work(), workers):
+            for index, part in found.items():
+                tallies.setdefault(index, Tally(scene.orders)).merge(part)
                 progress.advance(part.rays)
-            tallies.append(_merged(tally))
-    light = np.array(tallies).reshape(len(models), PIECES + 1, angles, *tallies[0].shape)
+    light = np.array([_merged(tallies[index]) for index in range(len(tallies))])
+    light = light.reshape(len(models), PIECES + 1, angles, *light.shape[1:])
     return {
         name: Split(of[0, :, 0], of[0, :, 1], of[1:, :, 0], samples, walks=True)
         for name, of in zip(models, light, strict=True)
     }
+
+
+BATCHES = 4
+"""Of walks on the slopes of the whole surface, whose tables each batch makes anew: to hand these
+from process to process would take longer."""
+
+
+def _run(batch: list[WalkJob]) -> dict[int, Tally]:
+    """Tallies of jobs on the same slopes by the jobs' indices."""
+    tallies: dict[int, Tally] = {}
+    for job in batch:
+        index, part = run_walks(job)
+        tallies.setdefault(index, Tally(job.orders)).merge(part)
+    return tallies
 
 
 def _merged(tally: Tally) -> Array:

@@ -10,14 +10,14 @@ from msbsdf_cli.plots.style import COLOURS, panels, save
 NAMES = {
     "part_distribution": "slopes are not the fitted ones",
     "part_correlation": "heights are correlated",
-    "part_bounces": "single scattering leaves out bounces",
+    "part_bounces": "later bounces, left out",
 }
 
 
 def draw_parts(rows: list[Any], path: Path) -> None:
     """The three parts at each incident angle, and the floor: how large noise alone makes them."""
     theta = list(dict.fromkeys(r.theta_i_rad for r in rows))
-    figure, axes = panels(1, [max(3.6, 1.3 * len(theta))], 2.6)
+    figure, axes = panels(1, [max(4.6, 1.3 * len(theta))], 2.6)
     axis, x = axes[0, 0], np.arange(len(theta))
     for k, (quantity, label) in enumerate(NAMES.items()):
         mine = [r for r in rows if r.quantity == quantity]
@@ -34,6 +34,5 @@ def draw_parts(rows: list[Any], path: Path) -> None:
     axis.set_xticks(x, [f"{t:.3g}" for t in theta])
     axis.set_xlabel("theta_i in radians")
     axis.set_ylabel("light that goes elsewhere, %\n(bars: 1 std. error)")
-    axis.margins(y=0.35)
-    axis.legend(loc="upper left", ncols=2)
+    axis.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
     save(figure, path)
