@@ -17,7 +17,7 @@ STREAMS = {
     "convergence rays": "parameter varied, number of the surface, period, waves, incident angle",
     "pilot walks": "walks that tell how much light meets a second facet: facets, incident angle",
     "pilot of time": "walks that tell how long others will take: incident angle",
-    "walk": "random walks: incident angle, part",
+    "walk": "random walks: incident angle of each of several slopes in turn, part",
     "walk free paths": "free paths of the Smith model",
     "evaluate": "a method's values: method, incident angle, part",
     "furnace": "a method's albedos: method, roughness, incident angle, repetition",

@@ -77,21 +77,19 @@ def compare(options: dict[str, Any]) -> None:
 
 def models_from(field: Any, about: Any, options: dict[str, Any]) -> tuple[Any, str]:
     """Slopes of the surface and distributions fitted to them; the name of the one to be judged,
-    which is the one wanted, or the simplest of those that fit as well as any."""
-    from msbsdf_cli.experiments.parts import models_of
+    which is the one wanted, or the best. Raises click.BadParameter where nothing can be fitted."""
+    from msbsdf_cli.experiments.parts import best_fit, models_of
     from surfaces.describe.fits import KINDS, Kind
 
     kinds: tuple[Kind, ...] = KINDS
-    wanted: str = options["slopes"]
     if _given("gamma"):
         tail = 1 / (options["gamma"] - 1)
         kinds = tuple(replace(k, tail=tail) if k.name == "student_t" else k for k in kinds)
-    if not _given("slopes"):
-        misfits = {k.name: about[f"{k.name}_misfit"] for k in kinds}
-        best = min(misfits.values(), key=lambda row: row.value)
-        near = (n for n, m in misfits.items() if m.value <= best.value + best.stderr)
-        wanted = next(near).replace("_", "-")
-    return models_of(field.patch.slopes, kinds), wanted
+    try:
+        models = models_of(field.patch.slopes, kinds)
+    except ValueError as error:
+        raise click.BadParameter(f"{options['surface']}: {error}", param_hint="--surface") from None
+    return models, options["slopes"] if _given("slopes") else best_fit(about)
 
 
 def warn(

@@ -12,6 +12,7 @@ walks on the slopes of its pieces, and on what is fitted to these.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,7 @@ from msbsdf_cli.smith.slopes.surface import Surface
 from msbsdf_cli.statistics.binning import merge_sides
 from msbsdf_cli.statistics.distances import Distance, Histogram, total_variation
 from msbsdf_cli.statistics.tally import SIDES, Tally
+from surfaces.describe import Description
 from surfaces.describe.fits import KINDS, MOST, Kind, fitted
 from surfaces.facet import Array
 
@@ -69,10 +71,22 @@ class Parts:
         return max((r for r in self.rows if r.quantity == quantity), key=lambda r: r.own)
 
 
+LEAST = 4
+"""Facets along either side of a piece, to which three parameters are fitted."""
+
+
 def models_of(slopes: Array, kinds: tuple[Kind, ...] = KINDS) -> Models:
-    """The surface's own slopes (2, nx, ny), and distributions of `kinds` fitted to them."""
+    """The surface's own slopes (2, nx, ny), and distributions of `kinds` fitted to them.
+
+    Raises ValueError where a piece of the surface has no slopes that anything is fitted to.
+    """
     every = int(np.ceil(np.sqrt(slopes[0].size / MOST)))
     side = round(PIECES**0.5)
+    if min(slopes.shape[1:]) < side * LEAST:
+        raise ValueError(
+            f"{slopes.shape[1]} x {slopes.shape[2]} facets are too few: to know how pieces of the "
+            f"surface differ, at least {side * LEAST} are wanted along either side."
+        )
     rows = np.array_split(slopes[:, ::every, ::every], side, axis=1)
     pieces = [piece for row in rows for piece in np.array_split(row, side, axis=2)]
     level = [piece - piece.mean(axis=(1, 2), keepdims=True) for piece in pieces]
@@ -80,6 +94,18 @@ def models_of(slopes: Array, kinds: tuple[Kind, ...] = KINDS) -> Models:
     for kind in kinds:
         models[kind.name.replace("_", "-")] = [of_fit(part, kind) for part in (slopes, *level)]
     return models
+
+
+def best_fit(about: Description) -> str:
+    """Name of the distribution of the least misfit; Student's t, which has one parameter more, only
+    where its tail is neither Beckmann's nor GGX's by more than two standard errors."""
+    gamma = about["student_t_gamma"]
+    tail = 1 / (gamma.value - 1)
+    alike = [k for k in KINDS if k.tail is not None]
+    if all(abs(tail - (k.tail or 0)) > 2 * gamma.stderr * tail**2 for k in alike):
+        alike = list(KINDS)
+    best = min(alike, key=lambda kind: about[f"{kind.name}_misfit"].value)
+    return best.name.replace("_", "-")
 
 
 def of_fit(slopes: Array, kind: Kind) -> Slopes:
@@ -106,8 +132,7 @@ def walks_on(
     wi = [scene.wi(theta, np.dtype(precision).type) for theta in scene.theta]
 
     def work() -> Iterator[list[WalkJob]]:
-        every = [slopes for found in models.values() for slopes in found]
-        for number, slopes in enumerate(every):
+        for number, slopes in enumerate(chain.from_iterable(models.values())):
             whole, model = number % (PIECES + 1) == 0, Smith(slopes, scene.material)
             walks, index = samples if whole else each, number * angles
             what = walks, scene.orders, seed, max_order
@@ -117,16 +142,19 @@ def walks_on(
 
     total = len(models) * angles * (samples + each * PIECES)
     tallies: dict[int, Tally] = {}
+    light: list[Array] = []
     with Progress("walk", total, "walks", quiet) as progress:
         for found in map_ordered(_run, work(), workers):
+            for index in [k for k in tallies if k < min(found)]:
+                light.append(_merged(tallies.pop(index)))
             for index, part in found.items():
                 tallies.setdefault(index, Tally(scene.orders)).merge(part)
                 progress.advance(part.rays)
-    light = np.array([_merged(tallies[index]) for index in range(len(tallies))])
-    light = light.reshape(len(models), PIECES + 1, angles, *light.shape[1:])
+    light += map(_merged, tallies.values())
+    every = np.array(light).reshape(len(models), PIECES + 1, angles, *light[0].shape)
     return {
         name: Split(of[0, :, 0], of[0, :, 1], of[1:, :, 0], samples, walks=True)
-        for name, of in zip(models, light, strict=True)
+        for name, of in zip(models, every, strict=True)
     }
 
 
@@ -167,7 +195,7 @@ def parts(
 ) -> Parts:
     """The three parts for the distribution `name`, one of `models`.
 
-    Rows `model` hold each fitted distribution, followed for so many bounces, against all bounces
+    Rows `whole` hold all bounces of it against the surface, and rows `model` each fitted distribution, followed for so many bounces, against all bounces
     on the surface's own slopes.
     """
     own, fit, rows = walks[OF_SURFACE], walks[name], []

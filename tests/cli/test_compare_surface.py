@@ -162,4 +162,7 @@ def test_without_a_surface_all_is_beckmann(tmp_path):
         assert f"{more[0]} without --surface" in refused("compare", *more)
     path = tmp_path / "flat.npy"
     np.save(path, np.ones((8, 8)))
+    few = tmp_path / "few.npy"
+    np.save(few, HeightField.random(extent=4, cells=4).heights[:10])
+    assert "9 x 15 facets are too few" in refused("compare", "--surface", few, "--step", "1")
     assert "without roughness" in refused("compare", "--surface", path, "--step", "1")
