@@ -195,8 +195,8 @@ def parts(
 ) -> Parts:
     """The three parts for the distribution `name`, one of `models`.
 
-    Rows `whole` hold all bounces of it against the surface, and rows `model` each fitted distribution, followed for so many bounces, against all bounces
-    on the surface's own slopes.
+    Rows `whole` hold all its bounces against the surface, and rows `model` each fitted
+    distribution, followed for so many bounces, against all bounces on the surface's own slopes.
     """
     own, fit, rows = walks[OF_SURFACE], walks[name], []
     every = scene.orders + 1
