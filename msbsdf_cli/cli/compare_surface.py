@@ -39,8 +39,9 @@ def compare(options: dict[str, Any]) -> None:
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.compare import write_part
     from msbsdf_cli.cli.simulate import refuse_mesh
+    from msbsdf_cli.experiments.fitted_walks import traced, walks_on
     from msbsdf_cli.experiments.own_surface import simulate_surface
-    from msbsdf_cli.experiments.parts import parts, traced, walks_on
+    from msbsdf_cli.experiments.parts import parts
     from msbsdf_cli.experiments.resolution import LEAST_RAYS
     from msbsdf_cli.run.executors import do_all
 
@@ -78,7 +79,7 @@ def compare(options: dict[str, Any]) -> None:
 def models_from(field: Any, about: Any, options: dict[str, Any]) -> tuple[Any, str]:
     """Slopes of the surface and distributions fitted to them; the name of the one to be judged,
     which is the one wanted, or the best. Raises click.BadParameter where nothing can be fitted."""
-    from msbsdf_cli.experiments.parts import best_fit, models_of
+    from msbsdf_cli.experiments.fitted_walks import best_fit, models_of
     from surfaces.describe.fits import KINDS, Kind
 
     kinds: tuple[Kind, ...] = KINDS
