@@ -135,10 +135,11 @@ class HeightField:
         corner = np.rint(morton(np.array([number / of]))[:, 0] * side).astype(int)
         rows = []
         for n, k in zip(self.heights.shape, corner, strict=True):
-            size = -(-n // side)
-            place = k * n // side + (np.arange(2 * size) + size // 2) % (2 * size) - size // 2
-            turned = place % (n if self.periodic else 2 * n)
-            rows.append(turned if self.periodic else np.minimum(turned, 2 * n - 1 - turned))
+            cells = n if self.periodic else n - 1
+            size = -(-cells // side)
+            place = k * cells // side + (np.arange(2 * size) + size // 2) % (2 * size) - size // 2
+            turned = place % (cells if self.periodic else 2 * cells)
+            rows.append(turned if self.periodic else np.minimum(turned, 2 * cells - turned))
         return HeightField(self.heights[np.ix_(*rows)], self.step, unit=self._scale)
 
     @property
@@ -190,10 +191,9 @@ class HeightField:
 
 
 def continued(heights: Array) -> Array:
-    """A period (2 nx, 2 ny) of a patch continued by its mirror images, which meet it without a
-    step."""
-    along = np.concatenate([heights, heights[::-1]])
-    return np.concatenate([along, along[:, ::-1]], axis=1)
+    """A period (2 nx - 2, 2 ny - 2) of a patch continued by its mirror images, which share its
+    outermost points: were these there twice, flat facets would lie between them."""
+    return np.pad(heights, [(0, n - 2) for n in heights.shape], mode="reflect")
 
 
 def _one_period(heights: Array) -> tuple[Array, tuple[str, ...]]:

@@ -8,6 +8,7 @@ import click
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
+from msbsdf_cli.smith.slopes import NAMES as SLOPES
 from msbsdf_cli.smith.slopes import Slopes, distribution, parameters
 from surfaces.materials import NAMES as MATERIALS
 from surfaces.materials import Material, material
@@ -97,6 +98,18 @@ def scene_warnings(options: dict[str, Any]) -> list[str]:
         f"and this is {options['material']}."
         for other in (other for other in MATERIALS if other != options["material"])
         for name in material(other).options
+        if given(name) is click.core.ParameterSource.COMMANDLINE
+    ] + slopes_warnings(options)
+
+
+def slopes_warnings(options: dict[str, Any]) -> list[str]:
+    """Sentences on parameters of other slope distributions."""
+    given, slopes = click.get_current_context().get_parameter_source, options.get("slopes")
+    return [
+        f"--{name} has no effect: it is for --slopes {other}, and these are {slopes}."
+        for other in SLOPES
+        if slopes not in (None, other)
+        for name in parameters(other)
         if given(name) is click.core.ParameterSource.COMMANDLINE
     ]
 

@@ -33,7 +33,9 @@ def check_options(options: dict[str, Any]) -> None:
     for name in OF_RANDOM if given else (*OF_FILE, "wavelength"):
         if source(name.replace("-", "_")) is click.core.ParameterSource.COMMANDLINE:
             if given:
-                raise click.UsageError(f"--{name} beside --surface: that of a file is in it.")
+                raise click.UsageError(
+                    f"--{name} beside --surface: it is for random surfaces, and a file has its own."
+                )
             raise click.UsageError(f"--{name} without --surface: it is for a file of heights.")
 
 

@@ -11,9 +11,21 @@ from msbsdf_cli.experiments.render.scenes import NAMES, TEXTURES
 SURFACE = tuple(name for name in MODEL_IN_COLOUR if name not in ("theta", "phi"))
 
 
+def own_defaults(function: Any) -> Any:
+    """The options of the surface, whose defaults are the scene's."""
+    function = use(*SURFACE)(function)
+    for option in function.__click_params__:
+        if option.name in ("material", "slopes", "alpha"):
+            option.show_default = "that of SCENE"
+    return function
+
+
 @click.command("render")
-@click.argument("scene", required=False, default="plate", type=click.Choice(NAMES))
-@use("method-or-surfaces", *SURFACE)
+@click.argument(
+    "scene", required=False, default="plate", type=click.Choice(NAMES), metavar="[SCENE]"
+)
+@use("method-or-surfaces")
+@own_defaults
 @click.option(
     "--texture",
     type=click.Choice(TEXTURES),
@@ -44,7 +56,7 @@ SURFACE = tuple(name for name in MODEL_IN_COLOUR if name not in ("theta", "phi")
 @click.option("--exr", is_flag=True, help="Linear pictures as OpenEXR too.")
 @use("seed", "threads", *REPORT)
 def command(**options: Any) -> None:
-    """A small scene shaded by any method, side by side.
+    """A small scene shaded by several methods, side by side; by default single and walk.
 
     SCENE is `plate` (a texture of roughness, albedo or anisotropy), `furnace` (constant white
     light, in which what loses no energy disappears), `sphere`, `bottle` or `slab`. Each has a
@@ -65,14 +77,13 @@ def command(**options: Any) -> None:
     stage = stage_from(options)
     surface = common.scene_from(options | {"theta": (0.0,), "phi": (0.0,), "orders": 1})
     methods = options["method"]
-    check_methods(surface, methods)
+    check_methods(surface, methods, options["texture"])
     slug = f"{options['scene']}-{surface.material.name}-{surface.slopes.name}"
     report = Report("render", slug, options)
-    report.warn(common.scene_warnings(options))
+    report.warn(common.scene_warnings(options) + without_effect(options))
     height = round(options["width"] / stage.camera.aspect)
     paths = options["width"] * height * options["samples"] * len(methods)
-    work = f"{paths:.2g} paths from the camera"
-    report.warn(common.long_warnings(options, paths / PATHS_PER_S, work))
+    report.warn(common.long_warnings(options, *effort(surface, options, paths)))
     settings = Settings(
         options["width"], height, options["samples"], options["seed"], options["strategy"]
     )
@@ -95,6 +106,14 @@ def write_claims(options: dict[str, Any]) -> None:
     from msbsdf_cli.experiments.render.claims import Claim, claims
     from msbsdf_cli.results.files import columns
 
+    given = click.get_current_context().get_parameter_source
+    counts = ("claims", "seed", "threads", "out", "force", "quiet", "as_json")
+    for name in [name for name in options if name not in counts]:
+        if given(name) is click.core.ParameterSource.COMMANDLINE:
+            said = "SCENE" if name == "scene" else f"--{name.replace('_', '-')}"
+            raise click.UsageError(f"{said} beside --claims: these have scenes of their own.")
+        # What has no effect is no option of this run.
+        del options[name]
     report = Report("render", "claims", options)
     with report.draft() as draft:
         found = claims(options["seed"], options["threads"], options["quiet"])
@@ -110,6 +129,34 @@ def show_claims(found: list[Any]) -> None:
     rows = [(c.claim, f"{c.published:g}", measured(c.measured, c.stderr), c.verdict) for c in found]
     show_table(("claim", "published", "measured", "verdict"), rows)
 
+
+def without_effect(options: dict[str, Any]) -> list[str]:
+    """A sentence on --albedo where a texture has its own."""
+    given = click.get_current_context().get_parameter_source
+    if options["texture"] != "albedo" or given("albedo") is not CommandLine:
+        return []
+    return ["--albedo has no effect: the texture has albedos of its own."]
+
+
+CommandLine = click.core.ParameterSource.COMMANDLINE
+
+
+def effort(surface: Any, options: dict[str, Any], paths: int) -> tuple[float, str]:
+    """About how many seconds one core will need, and for what."""
+    ior = surface.material.ior
+    # Light is thrown to and fro within a body until it meets its side steeply enough to leave.
+    seconds, work = paths / PATHS_PER_S * max(ior, 1 / ior) ** 2, f"{paths:.2g} paths"
+    levels = 1 if options["texture"] == "none" else 8
+    sides = 1 + surface.material.transmits
+    for name, each in TABLE_S.items():
+        if name in options["method"]:
+            seconds += levels * sides * each
+            work += f" and tables of {name}"
+    return seconds, work
+
+
+TABLE_S = {"solve": 5, "surfaces": 30}
+"""Seconds of one core for a table of one roughness, roughly."""
 
 PATHS_PER_S = 1.5e5
 """Rough rate of one core."""
@@ -129,6 +176,8 @@ def fill_in(options: dict[str, Any]) -> None:
     }
     if {"material", "eta_k"} & given:
         of_scene = {k: v for k, v in of_scene.items() if k not in ("metal", "rgb")}
+    elif "metal" in given:
+        of_scene["material"] = "conductor"
     for parameter in context.command.params:
         name = parameter.name
         if name in of_scene and name not in given:
@@ -155,14 +204,14 @@ def stage_from(options: dict[str, Any]) -> Any:
         raise click.BadParameter(f"{error}", param_hint="--texture") from None
 
 
-def check_methods(surface: Any, methods: tuple[str, ...]) -> None:
+def check_methods(surface: Any, methods: tuple[str, ...], texture: str) -> None:
     """Raise click.BadParameter for a method that cannot shade this surface."""
     from msbsdf_cli.experiments.render.picture import check_shades
     from msbsdf_cli.methods.protocol import UnsupportedError
 
     for name in methods:
         try:
-            check_shades(name, surface.slopes, surface.material)
+            check_shades(name, surface.slopes, surface.material, texture)
         except UnsupportedError as refusal:
             raise click.BadParameter(f"{refusal}.", param_hint="--method") from None
 
@@ -201,10 +250,14 @@ def show(table: Any) -> None:
             measured(table["luminance"][k], table["luminance_stderr"][k]),
             f"{100 * table['noise'][k]:.2g} %",
             f"{table['seconds'][k]:.1f}",
+            f"{table['setup_seconds'][k]:.1f}",
             f"{table['surfaces_per_path'][k]:.2f}",
             measured(table["difference"][k], table["difference_stderr"][k]) if k else "",
         )
         for k in range(len(table["method"]))
     ]
-    head = ("method", "mean luminance", "noise of a pixel", "processor s", "surfaces", "difference")
-    show_table(head, rows)
+    head = ("method", "mean luminance", "noise of a pixel", "processor s", "of tables")
+    show_table((*head, "surfaces", "difference"), rows)
+    for name, error in zip(table["method"], table["table_error"], strict=True):
+        if error:
+            click.echo(f"The table of {name} is off by {100 * error:.2g} %, which no error shows.")

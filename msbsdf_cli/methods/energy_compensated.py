@@ -43,6 +43,7 @@ class EnergyCompensated(MethodBase):
         "#56b4e9",
         "*",
         model="energy-compensated",
+        one_roughness_textured=True,
         energy_error={"conductor": 1e-3, "dielectric": 1e-2},
         energy_error_because="table of albedos",
     )

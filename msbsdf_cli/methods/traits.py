@@ -25,6 +25,8 @@ class Traits:
     """Whether it draws outgoing directions."""
     pairs: bool = True
     """Whether it takes pairs of directions one by one, with a roughness each, as pixels ask."""
+    one_roughness_textured: bool = False
+    """Whether a texture may have one roughness at a point only, for the sake of tables."""
     energy_error: Mapping[str, float] = field(default_factory=dict)
     """Known error of energies by material, 0 where it is not named."""
     energy_error_because: str = ""

@@ -39,6 +39,7 @@ class Turquin(MethodBase):
         "#999933",
         "<",
         model="turquin",
+        one_roughness_textured=True,
         reciprocal=False,
         energy_error={"conductor": 1e-3},
         energy_error_because="table of albedos",

@@ -48,12 +48,12 @@ def draw_pictures(pictures: list[Picture], exposure: float, path: Path) -> None:
             *(0.5, 0.5),
             f"right of here: luminance less that of {pictures[0].method}\n\n"
             "below: standard error of each pixel\n\nboth over the luminance shown as white\n\n"
-            "noise: standard error over luminance, root mean squares\n\n"
-            "seconds of processor time",
+            "noise: standard error over luminance,\nroot mean squares\n\n"
+            "seconds of processor time, tables aside",
             **{"ha": "center", "va": "center", "fontsize": 8, "transform": axes[1, 0].transAxes},
         )
-        _bar(figure, axes[1, -1], bar, "difference")
-    _bar(figure, axes[-1, -1], shown, "standard error")
+        _bar(figure, axes[1, -1], bar, "difference", "both")
+    _bar(figure, axes[-1, -1], shown, "standard error over white", "max")
     for axis in axes.ravel():
         axis.set_axis_off()
     save(figure, path)
@@ -66,9 +66,9 @@ def displayed(radiance: Array) -> Array:
     return np.asarray(np.where(linear <= LINEAR, SLOPE * linear, curve))
 
 
-def _bar(figure: Any, axis: Any, image: Any, label: str) -> None:
+def _bar(figure: Any, axis: Any, image: Any, label: str, beyond: str) -> None:
     place = axis.get_position()
     width = figure.get_figwidth()
     beside = figure.add_axes((place.x1 + 0.08 / width, place.y0, 0.1 / width, place.height))
-    figure.colorbar(image, cax=beside, label=label)
+    figure.colorbar(image, cax=beside, label=label, extend=beyond)
     beside.grid(False)

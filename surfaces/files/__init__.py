@@ -117,8 +117,8 @@ def _unit(scan: Scan, height_unit: float | None) -> float:
 def _step(scan: Scan, step: float | tuple[float, float] | None) -> tuple[float, float]:
     if step is None and scan.step is None:
         raise FileError(
-            "it does not say how far its points are apart: give the step, along x and "
-            "y, in the unit of the heights"
+            "it does not say how far its points are apart: give the step (--step), along x and y, "
+            "as a length such as 2um, or a number in the unit of the heights"
         )
     given = np.array(scan.step if step is None else step, float).ravel()
     if given.size not in (1, 2) or not all(0 < s < np.inf for s in given):

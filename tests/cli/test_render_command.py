@@ -58,3 +58,36 @@ def test_scenes_have_surfaces_of_their_own_that_options_change(tmp_path):
 )
 def test_what_cannot_be_rendered_is_refused(words, said):
     assert said in refused("render", *words)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["plate", "--texture", "albedo", "--material", "diffuse", "--method", "solve"],
+            "one albedo",
+        ),
+        (
+            ["--texture", "anisotropy", "--material", "conductor", "--method", "turquin"],
+            "not of two",
+        ),
+        (
+            ["--material", "conductor", "--alpha", "1,0.1", "--method", "energy-compensated"],
+            "not of two",
+        ),
+        (["--claims", "--width", "50"], "--width beside --claims"),
+        (["sphere", "--claims"], "SCENE beside --claims"),
+    ],
+)
+def test_what_would_come_to_nothing_is_refused_at_once(words, said):
+    assert said in refused("render", *words)
+
+
+def test_what_has_no_effect_is_said_and_a_metal_is_a_conductor(tmp_path):
+    words = ["--texture", "albedo", "--material", "diffuse", "--albedo", "0.5", "--gamma", "3"]
+    result = msbsdf("render", *words, *TINY, "--method", "single", "--out", tmp_path / "a")
+    assert "--albedo has no effect" in result.stderr
+    assert "--gamma has no effect: it is for --slopes student-t" in result.stderr
+    words = ["--metal", "silver", "--method", "single", "--json"]
+    result = msbsdf("render", *words, *TINY, "--out", tmp_path / "b")
+    assert json.loads(result.stdout)["options"]["material"] == "conductor"

@@ -10,6 +10,7 @@ import trimesh
 
 from msbsdf_cli.experiments.render.body import Body, local, world
 from msbsdf_cli.experiments.render.camera import Camera
+from msbsdf_cli.experiments.render.claims import _verdict
 from msbsdf_cli.experiments.render.lights import Lamp, Lights
 from msbsdf_cli.experiments.render.picture import Settings, luminance, render, table_of
 from msbsdf_cli.experiments.render.scenes import NAMES, defaults, stage
@@ -266,3 +267,16 @@ def test_scenes_name_their_surfaces():
         assert {"material", "slopes", "alpha"} <= set(defaults(name))
     with pytest.raises(ValueError, match="has no texture"):
         stage("sphere", "roughness")
+
+
+def test_a_texture_keeps_the_ratio_of_two_roughnesses():
+    texture = stage("plate", "roughness").texture
+    look = texture(np.array([[-1.0, 0.2, 1.3], [0.1, 0.5, -0.7], [0, 0, 0]]), Ggx(1.0, 0.1))
+    assert look.alpha_y == pytest.approx(look.alpha_x / 10)
+
+
+def test_a_verdict_needs_an_error_small_enough():
+    assert _verdict(0.18, 0.27, 0.06, 0.0) == "undecided"
+    assert _verdict(0.5, 0.1, 0.5, 0.0) == "holds"
+    assert _verdict(0.02, 0.001, 0.2, 0.1) == "less here"
+    assert _verdict(4.0, 0.1, 0.19, 0.0) == "more here"

@@ -6,7 +6,7 @@ import pytest
 import msbsdf_cli as ms
 from msbsdf_cli.experiments.own_surface import number_of_pieces, parts
 from msbsdf_cli.statistics.tally import Tally
-from surfaces.field import HeightField
+from surfaces.field import HeightField, continued
 from surfaces.free_path import Level
 from surfaces.heightfield import all_waves, synthesise
 from surfaces.levelling import levelled
@@ -85,3 +85,18 @@ def test_windows_give_the_light_of_the_whole(whole, periodic, monkeypatch):
     assert 0 < moved.max() < 4 * np.sqrt(0.02 / 64_000)
     monkeypatch.setattr("msbsdf_cli.experiments.own_surface.AROUND", 60)
     assert number_of_pieces(field) == (16, False)
+
+
+def test_seams_have_no_flat_facets(rng):
+    """Mirror images share the outermost points of a patch: no slope of the whole is missing in it,
+    and none is there that the patch does not have."""
+    heights = rng.standard_normal((7, 9))
+    whole = continued(heights)
+    assert whole.shape == (12, 16)
+    for axis in (0, 1):
+        slopes = np.diff(np.concatenate([whole, whole.take([0], axis)], axis), axis=axis)
+        assert np.abs(slopes).min() > 0
+        mine = np.abs(np.diff(heights, axis=axis))
+        assert set(np.round(np.abs(slopes), 12).ravel()) == set(np.round(mine, 12).ravel())
+    window = HeightField(heights, (1.0, 1.0), periodic=False).window(0, 4).heights
+    assert np.abs(np.diff(window, axis=0)).min() > 0

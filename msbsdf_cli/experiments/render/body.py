@@ -45,7 +45,7 @@ class Body:
         # Single precision moves an origin by half a spacing along each axis, and Embree rounds
         # once more.
         self.lift = 4 * float(np.spacing(np.abs(self.vertices).max()))
-        self.digest = crc32(self.vertices.tobytes())
+        self.digest = crc32(self.faces.tobytes(), crc32(self.vertices.tobytes()))
 
     @property
     def scene(self) -> EmbreeScene:

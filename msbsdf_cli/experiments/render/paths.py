@@ -120,8 +120,10 @@ class Integrator:
             share = np.ones(straight.size)
         else:
             light = self.stage.lights.pdf(paths.d)
-            # From the camera nothing else finds the light.
-            share = 1 / (1 + light / paths.density)
+            # From the camera nothing else finds the light; what neither would draw counts nothing.
+            both = np.where(straight, 1, paths.density + light)
+            mine = np.where(straight, 1, paths.density)
+            share = np.divide(mine, both, out=np.zeros_like(both), where=both > 0)
         found[:, paths.slot] += share * paths.throughput * self.stage.lights.radiance(paths.d)
 
     def _scatter(

@@ -1,5 +1,6 @@
 """Pictures of a scene by several methods: settings in, pictures out."""
 
+import os
 import time
 from dataclasses import dataclass
 
@@ -53,6 +54,8 @@ class Picture:
     """Paths that rounding lost."""
     table_error: float = 0.0
     """Of a method that shades by a table: what that is off by, relative to its mean."""
+    setup_seconds: float = 0.0
+    """Of processor time, for tables that are made before the first path."""
 
     @property
     def noise(self) -> float:
@@ -81,8 +84,7 @@ class Job:
 def shader(
     name: str, slopes: Slopes, material: Material, textured: bool, seed: int, workers: Workers
 ) -> Shader:
-    """A method for both sides of a surface. Raises UnsupportedError for what it cannot do."""
-    check_shades(name, slopes, material)
+    """A method for both sides of a surface."""
 
     def on_a_side(facets: Material) -> Shades:
         if name in TABULATED:
@@ -93,14 +95,25 @@ def shader(
     return Shader(slopes, on_a_side(material), inside)
 
 
-def check_shades(name: str, slopes: Slopes, material: Material) -> None:
+def check_shades(name: str, slopes: Slopes, material: Material, texture: str = "none") -> None:
     """Raise UnsupportedError for a method that cannot shade pixels of this surface."""
-    if name in TABULATED:
+    table = name in TABULATED
+    if table:
         check_tabulated(name, slopes, material)
-        return
-    METHODS[name].check_supported(slopes, material)
-    if not METHODS[name].traits.pairs:
+    else:
+        METHODS[name].check_supported(slopes, material)
+    if not table and not METHODS[name].traits.pairs:
         raise UnsupportedError(f"method {name} evaluates no pairs of directions, as pixels ask")
+    if table and texture == "albedo":
+        raise UnsupportedError(f"method {name} shades by a table, which has room for one albedo")
+    two = slopes.alpha_x != slopes.alpha_y or texture == "anisotropy"
+    if not table and texture in ("roughness", "anisotropy") and two:
+        if METHODS[name].traits.one_roughness_textured:
+            raise UnsupportedError(
+                f"method {name} has tables for textures of one roughness, not of two"
+            )
+    elif table and texture == "anisotropy":
+        raise UnsupportedError(f"method {name} shades by a table, which has room for one roughness")
 
 
 def render(
@@ -114,7 +127,11 @@ def render(
 ) -> list[Picture]:
     """A picture by each method. Raises UnsupportedError for what a method cannot do."""
     of_all = stage.texture is not None, settings.seed, workers
-    shaders = {name: prepared(shader(name, slopes, material, *of_all), stage) for name in methods}
+    shaders, setup = {}, {}
+    for name in methods:
+        started = sum(os.times()[:4])
+        shaders[name] = prepared(shader(name, slopes, material, *of_all), stage)
+        setup[name] = sum(os.times()[:4]) - started
     chunks = -(-settings.width * settings.height // CHUNK)
     jobs = [Job(stage, shaders[name], settings, name, k) for name in methods for k in range(chunks)]
     parts: dict[str, list[Part]] = {name: [] for name in methods}
@@ -122,7 +139,9 @@ def render(
         for job, part in zip(jobs, map_ordered(run_job, jobs, workers), strict=True):
             parts[job.method].append(part)
             progress.advance(CHUNK * settings.samples)
-    return [_picture(name, settings, of, shaders[name].error) for name, of in parts.items()]
+    return [
+        _picture(name, settings, of, shaders[name].error, setup[name]) for name, of in parts.items()
+    ]
 
 
 def table_of(pictures: list[Picture]) -> Table:
@@ -130,7 +149,7 @@ def table_of(pictures: list[Picture]) -> Table:
     names = (
         *("method", "samples", "seconds", "surfaces_per_path", "lost", "luminance"),
         *("luminance_stderr", "noise", "variance", "difference", "difference_stderr"),
-        "table_error",
+        *("table_error", "setup_seconds"),
     )
     table: dict[str, list[float | str]] = {name: [] for name in names}
     first = pictures[0]
@@ -143,7 +162,7 @@ def table_of(pictures: list[Picture]) -> Table:
         cells = (
             *(p.method, p.samples, p.seconds, p.surfaces / (pixels * p.samples), p.lost),
             *(mean.mean(), of_all, p.noise, p.samples * (stderr**2).mean()),
-            *(apart, both if p is not first else 0.0, p.table_error),
+            *(apart, both if p is not first else 0.0, p.table_error, p.setup_seconds),
         )
         for column, cell in zip(table.values(), cells, strict=True):
             column.append(cell if isinstance(cell, str) else float(cell))
@@ -196,7 +215,9 @@ def run_job(job: Job) -> Part:
     return Part(sums[0], sums[1], time.process_time() - started, integrator.counts)
 
 
-def _picture(name: str, settings: Settings, parts: list[Part], error: float) -> Picture:
+def _picture(
+    name: str, settings: Settings, parts: list[Part], error: float, setup: float
+) -> Picture:
     n, shape = settings.samples, (3, settings.height, settings.width)
     mean = np.concatenate([part.sums for part in parts], axis=1) / n
     squares = np.concatenate([part.squares for part in parts], axis=1) / n
@@ -210,4 +231,5 @@ def _picture(name: str, settings: Settings, parts: list[Part], error: float) -> 
         sum(part.counts.surfaces for part in parts),
         sum(part.counts.lost for part in parts),
         error,
+        setup,
     )

@@ -63,8 +63,7 @@ def _look(point: Array, slopes: Slopes, anisotropic: bool, coloured: bool) -> Lo
         one = np.full_like(u, 1.0)
         albedos = np.stack([ramp(*ends, u) for ends in TONES])
         return Look(slopes.alpha_x * one, slopes.alpha_y * one, albedos)
-    alpha = slopes.alpha_x * ramp(np.sqrt(LEAST), 1, u) ** 2
-    if not anisotropic:
-        return Look(alpha, alpha)
-    # The other roughness stays at its highest, so that each stripe goes from brushed to blasted.
-    return Look(alpha, np.full_like(u, slopes.alpha_y))
+    part = ramp(np.sqrt(LEAST), 1, u) ** 2
+    # Of an anisotropic texture the other roughness stays at its highest, so that each stripe goes
+    # from brushed to blasted.
+    return Look(slopes.alpha_x * part, slopes.alpha_y * (np.ones_like(u) if anisotropic else part))
