@@ -41,7 +41,7 @@ def draw_furnace(table: Table, directory: Path) -> None:
             axis.set_title(f"alpha = {_name(alpha)}{turned}   {channel}")
             axis.set_xlabel("theta_i, degrees", labelpad=1)
         axes[i, 0].set_ylabel("albedo")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper left", ncols=4)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper left", ncols=5)
     save(figure, directory / "furnace.png")
     _draw_spheres(columns, alphas, methods, channels, directory / "sphere.png")
 
