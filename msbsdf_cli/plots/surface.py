@@ -23,7 +23,7 @@ def draw_surface(
     """surface.png: the surface of roughness `alpha` that `stretch` makes of a mesh, seen aslant,
     lit from a side, with shadows; and from above, its heights over one period."""
     figure, (left, right) = plt.subplots(
-        1, 2, figsize=(8, 3.2), width_ratios=[1.25, 1], layout="constrained"
+        1, 2, figsize=(8, 3.6), width_ratios=[1.25, 1], layout="constrained"
     )
     left.imshow(
         _view(surface, stretch, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear"
