@@ -76,7 +76,7 @@ def pilot(scene: Scene) -> tuple[float, float]:
     from surfaces.streams import stream
 
     # What is made at the first walk, such as tables of slopes, is no part of what the others cost.
-    first = scene.wi(scene.theta[0]), 1, stream(0, "pilot of time", 0), 1
+    first = scene.wi(scene.theta[0]), 1, stream(0, "pilot of time", len(scene.theta)), 1
     list(random_walk(scene.slopes, scene.material, *first))
     started, facets = perf_counter(), 0
     for i, theta in enumerate(scene.theta):
