@@ -160,9 +160,10 @@ def in_words(scene: Any) -> dict[str, Any]:
 def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report: Any) -> Any:
     """The resolution of what is to be simulated, warnings of what takes long, and refusals."""
     from msbsdf_cli.cli import common, simulate, walk
+    from msbsdf_cli.cli.meshes import refuse_mesh
     from msbsdf_cli.experiments.resolution import LEAST_RAYS
 
-    simulate.refuse_mesh(options)
+    refuse_mesh(options)
     warnings, efforts, resolution = [], [], None
     if "simulate" not in handed:
         resolution = simulate.resolve(scene, options)
@@ -201,6 +202,7 @@ def simulated_run(
 ) -> tuple[Any, Pictures]:
     """Simulate; the report goes into `draft`, and what draws for it comes back."""
     from msbsdf_cli.cli import simulate
+    from msbsdf_cli.cli.runs import write_part
 
     run = simulate.run(scene, resolution, free_paths, options)
     _, pictures = write_part(draft, run, options)
@@ -213,6 +215,7 @@ def modelled(
     """Light of the walk, or of the methods wanted; the report of a walk made goes into `draft`, and
     what draws for it comes back."""
     from msbsdf_cli.cli import walk
+    from msbsdf_cli.cli.runs import write_part
 
     if options["method"] is not None:
         from msbsdf_cli.experiments.method_lobes import method_lobes
@@ -223,16 +226,6 @@ def modelled(
         return [handed["walk"].lobes()], []
     lobes, pictures = write_part(draft, walk.run(scene, free_paths, options), options)
     return [lobes], pictures
-
-
-def write_part(draft: Path, run: Any, options: dict[str, Any]) -> tuple[Any, Pictures]:
-    """The report of a run within this one; the light that left, and what draws it."""
-    from msbsdf_cli.cli.report import Part
-    from msbsdf_cli.cli.runs import write_run
-
-    place = draft / run.kind
-    place.mkdir()
-    return write_run(Part(run.kind, options), place, run)
 
 
 def write(report: Any, draft: Path, run: Any, models: list[Any]) -> tuple[list[Any], Pictures]:

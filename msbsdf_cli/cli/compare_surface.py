@@ -37,8 +37,8 @@ def _given(option: str) -> bool:
 def compare(options: dict[str, Any]) -> None:
     """Read the surface, describe it, trace and walk on it, and write the report."""
     from msbsdf_cli.cli import common
-    from msbsdf_cli.cli.compare import write_part
-    from msbsdf_cli.cli.simulate import refuse_mesh
+    from msbsdf_cli.cli.meshes import refuse_mesh
+    from msbsdf_cli.cli.runs import write_part
     from msbsdf_cli.experiments.fitted_walks import traced, walks_on
     from msbsdf_cli.experiments.own_surface import simulate_surface
     from msbsdf_cli.experiments.parts import parts

@@ -65,8 +65,8 @@ def scene_of_slopes(options: dict[str, Any], warn: "Report") -> Any:
 def simulate(options: dict[str, Any]) -> None:
     """Read the surface, describe it, trace light on it, and write the report."""
     from msbsdf_cli.cli import common
+    from msbsdf_cli.cli.meshes import refuse_mesh
     from msbsdf_cli.cli.runs import show_run, write_run
-    from msbsdf_cli.cli.simulate import refuse_mesh
     from msbsdf_cli.experiments.own_surface import simulate_surface
     from msbsdf_cli.experiments.resolution import LEAST_RAYS
     from msbsdf_cli.run.executors import do_all
@@ -118,7 +118,7 @@ def read(options: dict[str, Any]) -> Any:
 
 def refuse_size(field: Any, threads: int) -> None:
     """Refuse what this machine has no memory for. Raises click.BadParameter."""
-    from msbsdf_cli.cli.simulate import BYTES_PER_CELL
+    from msbsdf_cli.cli.meshes import BYTES_PER_CELL
     from msbsdf_cli.experiments.own_surface import number_of_pieces
     from msbsdf_cli.run.memory import gigabytes, memory_bytes
 
@@ -159,7 +159,7 @@ def unit(options: dict[str, Any]) -> str:
 def draw(draft: Path, scene: Any, field: Any, options: dict[str, Any]) -> None:
     """Draw the surface, here where its mesh is, and save that where it is wanted; of a large one a
     piece is drawn."""
-    from msbsdf_cli.cli.simulate import write_mesh
+    from msbsdf_cli.cli.meshes import write_mesh
     from msbsdf_cli.experiments.own_surface import number_of_pieces, parts
     from msbsdf_cli.plots.surface import draw_surface
 

@@ -43,6 +43,15 @@ def write_run(
     return lobes, pictures
 
 
+def write_part(
+    draft: Path, run: Run, options: dict[str, Any]
+) -> tuple[Lobes, list[Callable[[], None]]]:
+    """The report of a run within another one; the light that left, and what draws it."""
+    place = draft / run.kind
+    place.mkdir()
+    return write_run(Part(run.kind, options), place, run)
+
+
 def read_run(directory: Path) -> tuple[dict[str, Any], Run]:
     """What run.json says, and the run. Raises click.ClickException where there is none, or one
     that is no longer as it was written."""
