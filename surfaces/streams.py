@@ -36,6 +36,7 @@ STREAMS = {
     "stability directions": "outgoing directions of a point: point, repetition",
     "stability reference": "directions of long walks: point",
     "export pairs": "directions in which a table is held against what it was made from",
+    "table directions": "directions in which a table for pictures is held against `solve`",
     "without noise": "handed to methods that draw nothing",
     "render": "paths from the camera: method, strategy, some of the pixels",
     "slab": "walks to a slab's image: method, roughness, repetition",
@@ -53,6 +54,7 @@ COMMON = {
     "stability directions": "all methods and precisions are judged in the same directions",
     "stability reference": "all methods and precisions are held against the same walks",
     "without noise": "nothing is drawn from it",
+    "table directions": "tables of all roughnesses are judged in the same directions",
     "lobe directions": "lobes of all incident angles are judged in directions drawn alike",
 }
 """Streams that are drawn more than once on purpose, and why: their differences have less noise."""

@@ -133,12 +133,12 @@ def show_claims(found: list[Any]) -> None:
 def without_effect(options: dict[str, Any]) -> list[str]:
     """A sentence on --albedo where a texture has its own."""
     given = click.get_current_context().get_parameter_source
-    if options["texture"] != "albedo" or given("albedo") is not CommandLine:
+    if (
+        options["texture"] != "albedo"
+        or given("albedo") is not click.core.ParameterSource.COMMANDLINE
+    ):
         return []
     return ["--albedo has no effect: the texture has albedos of its own."]
-
-
-CommandLine = click.core.ParameterSource.COMMANDLINE
 
 
 def effort(surface: Any, options: dict[str, Any], paths: int) -> tuple[float, str]:

@@ -73,7 +73,6 @@ def test_a_textured_plate_stays_white_in_white_light(kind, method):
     # What compensation leaves undone is what its tables are off by.
     slack = METHODS[method].traits.slack(material.name)
     assert (np.abs(mean - 1) <= LIMIT * stderr + slack + 1e-12).all()
-    assert p.mean.std() > 0 or p.stderr.max() == 0
 
 
 def test_single_scattering_makes_the_texture_visible():
@@ -140,7 +139,8 @@ def test_glass_disappears_as_a_closed_body():
     p = picture("furnace", Dielectric(1.5), "walk", replace(SMALL, strategy="bsdf"))
     assert p.mean == pytest.approx(1, abs=1e-12)
     assert p.lost == 0
-    assert p.surfaces > 2 * p.samples * p.mean[0].size * 0.2
+    # More surfaces than paths: light is thrown to and fro inside.
+    assert p.surfaces > p.samples * p.mean[0].size
 
 
 def test_a_sphere_of_two_roughnesses_is_lit_from_all_azimuths():

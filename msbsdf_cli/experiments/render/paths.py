@@ -15,7 +15,7 @@ from msbsdf_cli.experiments.render.body import local, world
 from msbsdf_cli.experiments.render.stage import Stage
 from msbsdf_cli.methods.forced_collisions import roulette
 from msbsdf_cli.smith.slopes import Slopes
-from surfaces.batch import Batch
+from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array, dot
 from surfaces.materials import Material
 
@@ -221,6 +221,4 @@ class Integrator:
 
 
 def _joined(parts: list[CameraPaths], none: CameraPaths) -> CameraPaths:
-    from surfaces.batch import concatenate
-
     return concatenate(parts) if parts else none.compress(np.zeros(none.slot.size, bool))

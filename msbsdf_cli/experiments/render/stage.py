@@ -1,7 +1,7 @@
 """A scene to render: what is seen, from where, in which light, and what it is made of."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from msbsdf_cli.experiments.render.lights import Lights
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
+from surfaces.materials.diffuse import TexturedDiffuse
 
 
 @dataclass(frozen=True)
@@ -45,14 +46,8 @@ class Stage:
             return slopes, material
         look = self.texture(point, slopes)
         if look.albedos is not None:
-            from surfaces.materials.diffuse import TexturedDiffuse
-
             material = TexturedDiffuse(lanes=look.albedos)
         return slopes.of_lanes(look.alpha_x, look.alpha_y), material
-
-    def without_texture(self) -> "Stage":
-        """The same with one roughness and one material everywhere."""
-        return replace(self, texture=None)
 
 
 def ramp(low: float, high: float, u: Array) -> Array:

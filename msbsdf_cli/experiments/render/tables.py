@@ -141,7 +141,7 @@ def _row(slopes: Slopes, material: Material, theta_i: float) -> Array:
 def _off(solve: Solve, table: Table) -> float:
     """Integral over the upper hemisphere of a table's distance from `solve`, over the energy that
     leaves, for random incident directions."""
-    rng = stream(0, "export pairs")
+    rng = stream(0, "table directions")
     off, energy = 0.0, 0.0
     for theta in np.arccos(rng.uniform(np.cos(STEEPEST), 1, INCIDENT)).tolist():
         z, phi = rng.random((2, OUTGOING)) * np.array([[1], [2 * np.pi]])
