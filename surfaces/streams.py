@@ -12,7 +12,8 @@ import numpy as np
 STREAMS = {
     "heightfield": "a realisation of the surface: number, period, waves",
     "rays": "light traced on a surface: number of the surface, incident angle",
-    "free-path rays": "free paths traced on a surface: number of the surface",
+    "free-path rays": "free paths traced on a surface: number of the surface, scene",
+    "sweep": "the seed of a piece of work: what it measures",
     "convergence heightfield": "parameter varied, number, period, waves",
     "convergence rays": "parameter varied, number of the surface, period, waves, incident angle",
     "pilot walks": "walks that tell how much light meets a second facet: facets, incident angle",

@@ -22,6 +22,8 @@ COMMANDS = {
     "render": "A small scene shaded by any method, side by side.",
     "recommend": "The cheapest model that each surface of a scene needs.",
     "export": "Tables that renderers load: the BSDF of all bounces, and albedos.",
+    "sweep": "Any of the measuring commands for many scenes, on all cores or a cluster.",
+    "merge": "Put together the reports of other seeds, shares and machines.",
     "tradeoff": "Error against time for every method, on one chart.",
 }
 

@@ -1,6 +1,5 @@
 """What the commands share: the scene from the options, warnings, and where reports go."""
 
-from functools import lru_cache
 from typing import Any
 
 import click
@@ -66,29 +65,6 @@ def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
     return FreePaths(options["free_path_theta"], starts, distribution.edges)
 
 
-@lru_cache(maxsize=16)
-def pilot(scene: Scene) -> tuple[float, float]:
-    """Seconds that one core needs for a walk from each incident angle of this scene, and the facets
-    that a walk hits in the mean, from a short run."""
-    from time import perf_counter
-
-    from msbsdf_cli.smith.walk import random_walk
-    from surfaces.streams import stream
-
-    # What is made at the first walk, such as tables of slopes, is no part of what the others cost.
-    first = scene.wi(scene.theta[0]), 1, stream(0, "pilot of time", len(scene.theta)), 1
-    list(random_walk(scene.slopes, scene.material, *first))
-    started, facets = perf_counter(), 0
-    for i, theta in enumerate(scene.theta):
-        rng, wi = stream(0, "pilot of time", i), scene.wi(theta)
-        walks = random_walk(scene.slopes, scene.material, wi, PILOT, rng, PILOT_ORDER)
-        facets += sum(light.order * light.w.shape[1] for light in walks)
-    return (perf_counter() - started) / PILOT, facets / PILOT / len(scene.theta)
-
-
-PILOT, PILOT_ORDER = 4096, 4000
-
-
 MANY_FACETS = 30
 """Facets that light meets in the mean from which a run is long on their account."""
 
@@ -140,6 +116,8 @@ def method_warnings(scenes: list[Scene], methods: tuple[str, ...]) -> list[str]:
 
 def facet_warnings(scene: Scene) -> list[str]:
     """A sentence where light meets many facets."""
+    from msbsdf_cli.experiments.pilot import pilot
+
     facets = pilot(scene)[1]
     if facets <= MANY_FACETS:
         return []

@@ -187,8 +187,9 @@ def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report:
 
 def effort_of_methods(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
     """About how many seconds one core needs for lobes of methods in the bins of a simulation."""
-    from msbsdf_cli.cli.common import EVALUATIONS_PER_S, pilot
+    from msbsdf_cli.cli.common import EVALUATIONS_PER_S
     from msbsdf_cli.experiments.method_lobes import SAMPLES_OF_RAYS, bins, places
+    from msbsdf_cli.experiments.pilot import pilot
 
     directions = bins(scene.material.transmits, places(scene))[0].shape[1]
     methods = len(options["method"])

@@ -20,6 +20,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.evaluate import evaluate
+    from msbsdf_cli.experiments.pilot import pilot
     from msbsdf_cli.experiments.slices import slice_directions, slice_table
     from msbsdf_cli.plots.slices import draw_slices
 
@@ -27,7 +28,7 @@ def command(**options: Any) -> None:
     options["method"] = methods = common.methods_for(scene, options["method"])
     report = Report("evaluate", scene.slug(), options)
     walks = options["samples"] * len(options["theta"]) * len(methods)
-    facets = common.pilot(scene)[1]
+    facets = pilot(scene)[1]
     work_s = walks * options["points"] * max(facets, 1) / common.EVALUATIONS_PER_S
     walking = (
         f"{walks:.2g} walks of {facets:.2g} facets in the mean to {options['points']} directions"

@@ -93,7 +93,8 @@ def resolve(scene: Any, options: dict[str, Any]) -> Any:
 
 def effort(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
     """About how many seconds one core will need, and for what."""
-    from msbsdf_cli.cli.common import RAYS_PER_S, TRIANGLES_PER_S, pilot
+    from msbsdf_cli.cli.common import RAYS_PER_S, TRIANGLES_PER_S
+    from msbsdf_cli.experiments.pilot import pilot
 
     side, surfaces = options["extent"] * options["cells"], options["realisations"]
     rays = options["samples"] * len(options["theta"])

@@ -40,7 +40,7 @@ def command(**options: Any) -> None:
 
 def effort(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
     """About how many seconds one core will need, and for what."""
-    from msbsdf_cli.cli.common import pilot
+    from msbsdf_cli.experiments.pilot import pilot
 
     seconds, facets = pilot(scene)
     walks = options["samples"] * len(scene.theta)

@@ -13,7 +13,9 @@ from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
+from surfaces.materials import Material
 from surfaces.streams import stream
 
 PARTS = 16
@@ -82,7 +84,7 @@ def evaluate(
     jobs = []
     for name in methods:
         noiseless = METHODS[name].deterministic
-        sizes = [1] * len(turns) if noiseless else _parts(samples, len(turns))
+        sizes = [1] * len(turns) if noiseless else part_sizes(samples, len(turns))
         for angles in _shared_angles(len(scene.theta), noiseless):
             for k, size in enumerate(sizes):
                 ends = turns[k % len(turns)]
@@ -113,7 +115,7 @@ class Part(NamedTuple):
     seconds: float
 
 
-def _parts(samples: int, turns: int) -> list[int]:
+def part_sizes(samples: int, turns: int) -> list[int]:
     """Sizes of the parts: two for each turn and as many for all, but of two walks at least."""
     count = max(PARTS, 2 * turns if turns > 1 else 1, -(-samples // PART))
     count = min(-(-count // turns) * turns, max(samples // 2, 1))
@@ -132,7 +134,8 @@ def run_job(job: EvaluationJob) -> list[Part]:
     parts = []
     for i in job.angles:
         started = time.perf_counter()
-        method = _method(job.method, scene, job.bidirectional)
+        arguments = scene.slopes, scene.material, scene.orders
+        method = _method(job.method, *arguments, job.bidirectional)
         rng = stream(job.seed, "evaluate", job.method, i, job.part)
         wi = scene.wi(scene.theta[i], dtype)
         evaluation = method.evaluate(wi, wo, job.samples, rng)
@@ -143,9 +146,11 @@ def run_job(job: EvaluationJob) -> list[Part]:
 
 
 @lru_cache(maxsize=2)
-def _method(name: str, scene: Scene, bidirectional: bool) -> Method:
+def _method(
+    name: str, slopes: Slopes, material: Material, orders: int, bidirectional: bool
+) -> Method:
     """Set up once in a process for all parts and angles."""
-    arguments = scene.slopes, scene.material, scene.orders
+    arguments = slopes, material, orders
     method = METHODS[name]
     if bidirectional and issubclass(method, PositionFree):
         return method(*arguments, bidirectional=True)

@@ -89,34 +89,63 @@ def furnace(
 
 def run_furnace(job: FurnaceJob) -> Albedos:
     """Albedos of one method at one roughness."""
+    phis = azimuths(job.scene)
+    rows = [sums.estimate() for sums in albedo_sums(job)]
+    shape = len(phis), len(job.scene.theta), 2, *np.shape(rows[0])[1:]
+    value, stderr = np.moveaxis(np.array(rows).reshape(shape), 2, 0)
+    return Albedos(job.method, job.scene.alpha, phis, value, stderr)
+
+
+@dataclass
+class AlbedoSums:
+    """Sums over repetitions of one method's albedos for one direction; those of other repetitions
+    add up to them."""
+
+    deterministic: bool
+    """Whether the method draws nothing."""
+    counts: Array
+    """Repetitions, and walks of them all; no walks where the method was asked for its albedo."""
+    sums: Array
+    """Of albedos, of their squares and of errors stated, (3, channels, orders + 2)."""
+
+    def estimate(self) -> tuple[Array, Array]:
+        """Albedos and standard errors, (channels, orders + 2) each."""
+        n, walks = (int(count) for count in self.counts)
+        mean, square, stated = self.sums / n
+        if walks == 0:
+            return mean, stated
+        spread = np.maximum(square - mean * mean, 0) / max(n - 1, 1)
+        undersampled = _unseen(self.deterministic, walks, n * FIRST, mean.shape[1] - 2)
+        return mean, np.sqrt(spread + undersampled**2 + stated**2)
+
+
+def albedo_sums(job: FurnaceJob) -> list[AlbedoSums]:
+    """Of all azimuths, and for each of all incident angles."""
     scene = job.scene
     arguments = scene.slopes, scene.material, scene.orders
-    phis = azimuths(scene)
-    directions = np.stack([direction(t, p) for p in phis for t in scene.theta], axis=1)
+    directions = np.stack([direction(t, p) for p in azimuths(scene) for t in scene.theta], axis=1)
     if job.method == Solve.name and job.accuracy is not None:
         method: Method = Solve.accurate(*arguments, directions, job.accuracy)
     else:
         method = METHODS[job.method](*arguments)
     single = Single(*arguments)
-    rows = []
-    for i, wi in enumerate(directions.T):
-        known = method.albedo(wi)
-        if known is not None:
-            rows.append([_with_total(a) for a in known])
-            continue
-        n = max(REPEATS, job.samples // DIRECTIONS)
-        walks = -(-job.samples // n)
-        place = job.method, repr(scene.alpha), i
-        streams = (stream(job.seed, "furnace", *place, repeat) for repeat in range(n))
-        repeats = [_integrate(method, single, wi, walks, rng) for rng in streams]
-        mean, stated = np.moveaxis(np.array(repeats), 1, 0)
-        spread = mean.std(axis=0, ddof=1) / np.sqrt(n)
-        undersampled = _unseen(method, n * walks, n * FIRST, scene.orders)
-        stderr = np.sqrt(spread**2 + undersampled**2 + stated.mean(axis=0) ** 2)
-        rows.append([mean.mean(axis=0), stderr])
-    found: Array = np.array(rows).reshape(len(phis), len(scene.theta), 2, *np.shape(rows[0])[1:])
-    value, stderr = np.moveaxis(found, 2, 0)
-    return Albedos(job.method, scene.alpha, phis, value, stderr)
+    return [_sums(job, method, single, i, wi) for i, wi in enumerate(directions.T)]
+
+
+def _sums(job: FurnaceJob, method: Method, single: Single, i: int, wi: Array) -> AlbedoSums:
+    known = method.albedo(wi)
+    if known is not None:
+        value, stated = (_with_total(a) for a in known)
+        counts = np.array([1, 0])
+        return AlbedoSums(method.deterministic, counts, np.array([value, value**2, stated]))
+    n = max(REPEATS, job.samples // DIRECTIONS)
+    walks = -(-job.samples // n)
+    place = job.method, repr(job.scene.alpha), i
+    streams = (stream(job.seed, "furnace", *place, repeat) for repeat in range(n))
+    repeats = [_integrate(method, single, wi, walks, rng) for rng in streams]
+    mean, stated = np.moveaxis(np.array(repeats), 1, 0)
+    sums = np.array([mean.sum(axis=0), (mean**2).sum(axis=0), stated.sum(axis=0)])
+    return AlbedoSums(method.deterministic, np.array([n, n * walks]), sums)
 
 
 def azimuths(scene: Scene) -> tuple[float, ...]:
@@ -143,14 +172,14 @@ def _integrate(
     return _with_total(orders), _with_total(stated)
 
 
-def _unseen(method: Method, walks: int, first: int, orders: int) -> Array:
+def _unseen(deterministic: bool, walks: int, first: int, orders: int) -> Array:
     """What paths that none of the walks has met may add to the albedos, (orders + 2,).
 
     A walk carries at most all of the light, so that what has not happened in n walks is worth
     about 1 / n. The first bounce is drawn `first` times; after that a method without noise adds
     nothing that could be missed, and one with noise draws `walks` of them.
     """
-    later = 0.0 if method.deterministic else 1 / walks
+    later = 0.0 if deterministic else 1 / walks
     undersampled = np.full(orders + 2, later)
     undersampled[0] = 1 / first
     undersampled[-1] = max(later, 1 / first)

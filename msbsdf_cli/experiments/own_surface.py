@@ -172,10 +172,11 @@ def simulate_surface(
         field.surface.build()
     lost, total = 0, rays * number * len(scene.theta)
     with Progress("simulate", total, "rays", quiet) as progress, _pool(workers, windows) as pool:
-        for units, shares, weights, missing in map_ordered(trace, jobs, pool):
+        traced = enumerate(map_ordered(trace, jobs, pool))
+        for i, (units, shares, weights, missing) in traced:
             for tally, unit in zip(tallies, units, strict=True):
                 tally.merge(unit)
-            groups.add(units)
+            groups.add(units, i)
             free_paths.add_unit(shares, weights, free_paths_of(rays))
             lost += missing
             progress.advance(rays * len(scene.theta))

@@ -74,6 +74,8 @@ class SurfaceJob:
     """Expected control variates (3,) of each incident angle."""
     on_all_meshes: bool = False
     """Whether to trace the same rays on two coarser meshes of the same field as well."""
+    place: int = 0
+    """Where the scene's rays begin among all that meet this surface, as scenes of a sweep do."""
 
 
 @dataclass
@@ -152,17 +154,17 @@ def simulate(
     notes = dict.fromkeys(("embree_s", "surface_s", "trace_s", "rays", "free_paths_lost"), 0.0)
     total = rays * resolution.realisations * len(scene.theta)
     with Progress("simulate", total, "rays", quiet) as progress:
-        for result in map_ordered(trace_surface, jobs, workers):
+        for number, result in enumerate(map_ordered(trace_surface, jobs, workers)):
             for tally, light in zip(tallies, result.light, strict=True):
                 tally.add_surface(light)
-            groups.add([light.unit for light in result.light])
+            groups.add([light.unit for light in result.light], number)
             free_paths.add_unit(result.free_paths, result.free_path_weights, result.free_path_rays)
             for name in notes:
                 notes[name] += getattr(result, name)
             progress.advance(rays * len(scene.theta))
     wall_s = time.monotonic() - started
     what = list[Tally](tallies), free_paths, "gaussian", groups.lobes()
-    return Run("simulate", scene, *what, wall_s, notes)
+    return Run("simulate", scene, *what, wall_s, notes, groups.units)
 
 
 class LobeGroups:
@@ -174,30 +176,47 @@ class LobeGroups:
         bins = THETA_BINS * PHI_BINS // MERGED**2
         shape = len(scene.theta), self.groups, scene.orders + 1, 2, bins
         self.sums = np.zeros(shape)
-        self.units = 0
+        self.units = np.zeros(self.groups, int)
+        """Surfaces of each group."""
 
-    def add(self, units: list[Tally]) -> None:
-        """The next surface's light, a unit for each incident angle."""
-        group = self.units % self.groups
+    def add(self, units: list[Tally], number: int) -> None:
+        """The light of surface `number`, a unit for each incident angle."""
+        group = number % self.groups
         for sums, unit in zip(self.sums[:, group], units, strict=True):
             lobe = unit.views(unit.sums[0])["lobe"]
             for place in np.ndindex(lobe.shape[:2]):
                 sums[place] += merge_bins(lobe[place].reshape(THETA_BINS, PHI_BINS)).ravel()
-        self.units += 1
+        self.units[group] += 1
 
     def lobes(self) -> Array:
         """Means of the groups, which share the surfaces evenly or nearly so; in single precision,
         as they are saved."""
-        each = np.bincount(np.arange(self.units) % self.groups, minlength=self.groups)
-        return np.asarray(self.sums / each[:, None, None, None], np.float32)
+        return np.asarray(self.sums / self.units[:, None, None, None], np.float32)
 
 
-def trace_surface(job: SurfaceJob) -> SurfaceResult:
-    """Make one surface and trace all incident angles and free paths on it."""
+class Meshes:
+    """One realisation of the surface in several finenesses, each made when it is first wanted."""
+
+    def __init__(self, resolution: Resolution, number: int, seed: int) -> None:
+        self.field = resolution, number, seed
+        self.made: dict[int, Surface] = {}
+
+    def surface(self, cells: int) -> Surface:
+        """The surface with so many cells a unit of length, and its Embree scene."""
+        if cells not in self.made:
+            resolution, number, seed = self.field
+            self.made[cells] = realisation(replace(resolution, cells=cells), number, seed)
+            self.made[cells].build()
+        return self.made[cells]
+
+
+def trace_surface(job: SurfaceJob, fields: Meshes | None = None) -> SurfaceResult:
+    """Make one surface, unless there are its meshes, and trace all incident angles and free paths
+    on it."""
     started = time.perf_counter()
     scene = job.scene
-    surface = realisation(job.resolution, job.number, job.seed)
-    surface.build()
+    fields = fields or Meshes(job.resolution, job.number, job.seed)
+    surface = fields.surface(job.resolution.cells)
     ready = time.perf_counter()
     tracer = _tracer(scene, surface)
     shared = _shared_rays(job)
@@ -212,7 +231,7 @@ def trace_surface(job: SurfaceJob) -> SurfaceResult:
     ]
     coarser = time.perf_counter()
     if job.on_all_meshes:
-        _add_coarser(job, light, [unit for unit, _ in units])
+        _add_coarser(job, fields, light, [unit for unit, _ in units])
     seconds = ready - started, traced - ready, time.perf_counter() - coarser
     return SurfaceResult(light, shares, weights, n, rays, embree_s, *seconds, lost)
 
@@ -232,7 +251,7 @@ def _units(job: SurfaceJob, tracer: Tracer, parts: tuple[int, ...]) -> list[list
     first and the second, ..."""
     units = []
     for i, theta in enumerate(job.scene.theta):
-        rng = stream(job.seed, "rays", job.number, i)
+        rng = stream(job.seed, "rays", job.number, job.place + i)
         tally, found = Tally(job.scene.orders, independent=False), []
         for rays in parts:
             for light in tracer.trace(job.scene.wi(theta), rays, rng, job.max_order):
@@ -242,21 +261,23 @@ def _units(job: SurfaceJob, tracer: Tracer, parts: tuple[int, ...]) -> list[list
     return units
 
 
-def _add_coarser(job: SurfaceJob, light: list[SurfaceLight], fine: list[Tally]) -> None:
+def _add_coarser(
+    job: SurfaceJob, fields: Meshes, light: list[SurfaceLight], fine: list[Tally]
+) -> None:
     """What the rays of `fine` tell on the two coarser meshes of the same field."""
     cells = job.resolution.cells
     fewer = meshes(cells, job.resolution.extent)
     coarser = []
     for some in fewer:
-        surface = realisation(replace(job.resolution, cells=some), job.number, job.seed)
-        coarser.append(_units(job, _tracer(job.scene, surface), (_shared_rays(job),)))
+        tracer = _tracer(job.scene, fields.surface(some))
+        coarser.append(_units(job, tracer, (_shared_rays(job),)))
     for mine, unit, (middle,), (coarse,) in zip(light, fine, *coarser, strict=True):
         mine.more, mine.doubt = extrapolated((cells, *fewer), unit, middle, coarse)
 
 
 def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, int]:
     """Shares (theta, starts, bins + 1), weights (theta, starts), and rays lost."""
-    rng = stream(job.seed, "free-path rays", job.number)
+    rng = stream(job.seed, "free-path rays", job.number, job.place)
     edges = np.array(job.free_path_edges)
     rows = len(job.free_path_theta), len(job.free_path_starts)
     shares, weights, lost = np.zeros((*rows, edges.size)), np.zeros(rows), 0

@@ -69,3 +69,15 @@ class FreePaths:
             for j, start in enumerate(self.starts)
             if not np.isnan(found.stderr[i, j]).any()
         }
+
+    def merge(self, other: "FreePaths") -> None:
+        """Take in the units of other free paths. Raises ValueError where directions, heights or
+        bins differ."""
+        if (self.theta, self.starts) != (other.theta, other.starts) or not np.array_equal(
+            self.edges, other.edges
+        ):
+            raise ValueError("the free paths are of other directions, heights or bins.")
+        self.sums += other.sums
+        self.weights += other.weights
+        self.units += other.units
+        self.rays += other.rays

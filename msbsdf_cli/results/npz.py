@@ -4,8 +4,9 @@ import json
 import os
 import secrets
 import zlib
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 from zipfile import BadZipFile
 
 import numpy as np
@@ -28,11 +29,14 @@ def write(path: str | Path, kind: str, about: dict[str, Any], arrays: dict[str, 
         raise
 
 
-def read(path: str | Path, kind: str) -> tuple[dict[str, Any], dict[str, Array]]:
-    """What `write` wrote under the name `kind`. Raises ValueError for any other file."""
+def read(
+    path: str | Path, kind: str, content: bytes | None = None
+) -> tuple[dict[str, Any], dict[str, Array]]:
+    """What `write` wrote under the name `kind`; `content` is that of the file, where it is at hand.
+    Raises ValueError for any other file."""
     try:
         # Opened here, so that it is closed whatever NumPy makes of it.
-        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
+        with _stream(path, content) as stream, np.load(stream, allow_pickle=False) as file:
             about: dict[str, Any] = json.loads(str(file["about"]))
             arrays = {name: file[name] for name in file.files if name != "about"}
         if about["format"] != kind:
@@ -40,3 +44,7 @@ def read(path: str | Path, kind: str) -> tuple[dict[str, Any], dict[str, Array]]
     except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error) as error:
         raise ValueError(f"{path} does not hold a {kind.rpartition(' ')[0]}: {error}.") from None
     return about, arrays
+
+
+def _stream(path: str | Path, content: bytes | None) -> BinaryIO:
+    return open(path, "rb") if content is None else BytesIO(content)

@@ -80,7 +80,7 @@ class Place:
         draft, lock = real.parent / f"{_prefix(real)}{secrets.token_hex(4)}", None
         try:
             draft.mkdir()
-            lock = _locked(draft / UNNAMED)
+            lock = locked(draft / UNNAMED)
             if lock is not None:
                 # It has its name only when it is locked: nobody takes the draft for dead.
                 os.rename(draft / UNNAMED, draft / LOCK)
@@ -135,7 +135,7 @@ def _fill(out: Path, draft: Path, force: bool) -> bool:
     if not out.is_dir():
         return False
     # Of two runs into one directory the second waits, and sees what the first has put there.
-    directory = _locked(out, wait=True)
+    directory = locked(out, wait=True)
     try:
         old = [] if not any(out.iterdir()) else listed(out) if force else None
         return old is not None and _exchange(out, draft, old)
@@ -184,7 +184,7 @@ def _clean(real: Path) -> None:
             # It has just begun, or was killed in its first instant.
             if time.time() - draft.stat().st_mtime < YOUNG_S:
                 continue
-        elif (lock := _locked(draft / LOCK)) is None:
+        elif (lock := locked(draft / LOCK)) is None:
             continue
         else:
             os.close(lock)
@@ -196,7 +196,7 @@ def _clean(real: Path) -> None:
         shutil.rmtree(draft, ignore_errors=True)
 
 
-def _locked(path: Path, wait: bool = False) -> int | None:
+def locked(path: Path, wait: bool = False) -> int | None:
     """A lock on a file or directory, until it is closed or this process ends; None where another
     one has it, or locks are unknown."""
     try:

@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from msbsdf_cli.results import npz
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.lobes import Lobes, lobes_of
@@ -31,6 +33,8 @@ class Run:
     wall_s: float = 0.0
     notes: dict[str, float] = field(default_factory=dict)
     """Figures of the run worth keeping beside the results."""
+    group_units: Array | None = None
+    """Surfaces of each group; None where they are not independent of those of other runs."""
 
     @property
     def paths(self) -> int:
@@ -48,6 +52,39 @@ class Run:
         light = self.tallies, self.lobe_groups, self.free_paths
         return lobes_of(self.kind, scene.theta, scene.phi, transmits, *light)
 
+    def merge(self, other: "Run") -> None:
+        """Take in the light of another run of the same scene, by another seed.
+
+        Raises ValueError where that would not be one long run.
+        """
+        for name in ("kind", "scene", "heights"):
+            a, b = getattr(self, name), getattr(other, name)
+            if a != b:
+                raise ValueError(f"the runs differ in {name}: {a} and {b}.")
+        for run in (self, other):
+            if run.kind == "simulate" and run.group_units is None:
+                raise ValueError("light on a given surface is of no other realisation of it.")
+        for mine, tally in zip(self.tallies, other.tallies, strict=True):
+            mine.merge(tally)
+        self.free_paths.merge(other.free_paths)
+        self._merge_groups(other)
+        self.wall_s += other.wall_s
+        for name, figure in other.notes.items():
+            self.notes[name] = self.notes.get(name, 0) + figure
+
+    def _merge_groups(self, other: "Run") -> None:
+        """Groups of as many surfaces each as they have together; without groups of one of the
+        runs there are none."""
+        mine, theirs = (r.lobe_groups for r in (self, other))
+        a, b = self.group_units, other.group_units
+        if mine is None or theirs is None or a is None or b is None or mine.shape != theirs.shape:
+            self.lobe_groups = self.group_units = None
+            return
+        units = a + b
+        share = (a / units)[:, None, None, None]
+        self.lobe_groups = np.asarray(share * mine + (1 - share) * theirs, np.float32)
+        self.group_units = units
+
     def save(self, path: str | Path) -> None:
         """Write the sums to an .npz file."""
         paths = self.free_paths
@@ -60,6 +97,8 @@ class Run:
             about |= {"extent": tally.extent} if isinstance(tally, SurfaceTally) else {}
         if self.lobe_groups is not None:
             arrays["lobe_groups"] = self.lobe_groups
+        if self.group_units is not None:
+            arrays["group_units"] = self.group_units
         npz.write(path, FORMAT, about, arrays)
 
 
@@ -85,7 +124,7 @@ def _run(about: dict[str, Any], arrays: dict[str, Array]) -> Run:
         getattr(paths, name)[:] = arrays[f"free_path_{name}"]
     paths.rays = int(about["rays"])
     light = about["kind"], scene, tallies, paths, about["heights"], arrays.get("lobe_groups")
-    return Run(*light, about["wall_s"], about["notes"])
+    return Run(*light, about["wall_s"], about["notes"], arrays.get("group_units"))
 
 
 def _tally(orders: int, angle: int, about: dict[str, Any], arrays: dict[str, Array]) -> Tally:

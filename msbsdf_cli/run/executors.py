@@ -57,7 +57,7 @@ def map_ordered(
         yield from map(work, first)
         return
     # All processes of a pool start at once: no more than have something to do.
-    with _processes(len(first)) as pool:
+    with processes(len(first)) as pool:
         yield from _window(pool, work, chain(first, jobs), AHEAD * workers, deque())
 
 
@@ -88,7 +88,7 @@ def _window(
 
 
 @contextmanager
-def _processes(count: int) -> Iterator[Executor]:
+def processes(count: int) -> Iterator[Executor]:
     """An executor of processes of our own, which are killed if anything interrupts the work."""
     # A fork starts at once; elsewhere than on Linux system libraries do not survive it.
     context: Any = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")

@@ -1,0 +1,117 @@
+"""The study of many scenes that a command line, or a file, describes."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import click
+
+from msbsdf_cli import __version__
+from msbsdf_cli.cli.measured import KINDS, Settings
+from msbsdf_cli.cli.ranges import axis, given, in_file
+from msbsdf_cli.experiments.sweep.plan import Axis, Cases
+from msbsdf_cli.experiments.sweep.sweep import Sweep
+
+TABLES = {
+    "simulate": "energy.csv",
+    "walk": "energy.csv",
+    "compare": "agreement.csv",
+    "evaluate": "slice.csv",
+    "furnace": "furnace.csv",
+}
+"""The commands that can be swept, and their main tables."""
+
+NOT_SWEPT = (
+    *("out", "force", "quiet", "as_json", "threads"),
+    *("surface", "step", "height_unit", "periodic", "detrend", "filter", "wavelength"),
+    *("save_mesh", "convergence"),
+)
+"""Options of the commands that belong to a report of their own, or to a surface that is given."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is swept, in words and as a sweep."""
+
+    command: str
+    texts: dict[str, list[str]]
+    """What was typed for each option."""
+    sweep: Sweep
+
+    @property
+    def slug(self) -> str:
+        """The study as a file name."""
+        return "-".join([self.command, *(axis.name for axis in self.sweep.cases.axes)])
+
+    def plan(self, shard: tuple[int, int] | None) -> dict[str, Any]:
+        """All that tells it from other sweeps, for JSON."""
+        return {
+            "version": __version__,
+            "command": self.command,
+            "options": {n: list(t) for n, t in sorted(self.texts.items()) if n != "seed"},
+            "axes": {axis.name: axis.labels for axis in self.sweep.cases.axes},
+            "seeds": self.sweep.seeds,
+            "shard": shard,
+        }
+
+
+def study_of(command: str, words: tuple[str, ...]) -> Study:
+    """The study that a command line describes. Raises click.UsageError where it describes none."""
+    texts: dict[str, list[str]] = {}
+    if command.endswith(".toml"):
+        command, texts = in_file(Path(command))
+    if command not in TABLES:
+        known = ", ".join(TABLES)
+        raise click.UsageError(f"{command!r} is not a command that can be swept: {known}.")
+    flags = {flag: option for option in swept(command).values() for flag in option.opts}
+    return study(command, texts | given(words, flags))
+
+
+def swept(command: str) -> dict[str, click.Option]:
+    """The options of a command that may vary, by parameter."""
+    found: click.Command = import_module(f"msbsdf_cli.cli.{command}").command
+    options = (p for p in found.params if isinstance(p, click.Option))
+    return {str(p.name): p for p in options if p.name not in NOT_SWEPT}
+
+
+def study(command: str, texts: dict[str, list[str]], seeds: tuple[int, ...] = ()) -> Study:
+    """The study of texts of options by parameter, with its own seeds or `seeds`."""
+    known = swept(command)
+    for name in (name for name in texts if name not in known):
+        raise click.UsageError(f"{name} is not an option of {command} that can vary.")
+    found: click.Command = import_module(f"msbsdf_cli.cli.{command}").command
+    with found.make_context(command, []) as ctx:
+        options = {name: value for name, value in ctx.params.items() if name in known}
+        for name in (name for name in texts if known[name].is_flag):
+            options[name] = True
+        # In the command's own order, so that pieces have the same numbers however it is typed.
+        axes = {
+            name: axis(option, texts.get(name) or _default(option), ctx)
+            for name, option in known.items()
+            if (name in texts or name in VARY_BY_THEMSELVES) and not option.is_flag
+        }
+    options |= {name: a.values[0] for name, a in axes.items()}
+    own = axes.pop("seed").values if "seed" in axes else (0,)
+    del options["seed"]
+    _check(command, options, axes)
+    cases = Cases(tuple(a for a in axes.values() if len(a.values) > 1))
+    settings = Settings(command, options, cases)
+    return Study(command, texts, Sweep(cases, seeds or own, KINDS[command], settings))
+
+
+def _check(command: str, options: dict[str, Any], axes: dict[str, Axis]) -> None:
+    """Raise click.UsageError for what is not for sweeps."""
+    if "slopes" in axes and "surface" in axes["slopes"].values:
+        raise click.UsageError("--slopes surface is of one surface: it is not for sweeps.")
+    if command == "compare" and options.pop("method") is not None:
+        raise click.UsageError("--method beside compare: sweep `evaluate` or `furnace` for it.")
+
+
+VARY_BY_THEMSELVES = ("alpha", "theta")
+"""Options of which a command's default may be a list."""
+
+
+def _default(option: click.Option) -> list[str]:
+    default: Any = option.default
+    return [default] if isinstance(default, str) else [*default]

@@ -1,0 +1,44 @@
+"""`msbsdf sweep`"""
+
+from typing import Any
+
+import click
+
+from msbsdf_cli.cli.options import REPORT, Typed, quoted, use
+
+
+class Shard(Typed):
+    """`K/N`: the K-th of N equal shares."""
+
+    name = "K/N"
+
+    def read(self, text: str) -> tuple[int, int]:
+        try:
+            k, n = (int(part) for part in text.split("/"))
+        except ValueError:
+            k, n = 0, 0
+        if not 1 <= k <= n:
+            raise ValueError(f"{quoted(text)} is not a share of the work: K/N, K from 1 to N.")
+        return k, n
+
+
+@click.command("sweep", context_settings={"ignore_unknown_options": True})
+@click.argument("command", metavar="COMMAND|FILE.toml")
+@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[OPTIONS OF COMMAND]...")
+@click.option("--scheduler", metavar="URL", help="Dask scheduler, such as tcp://HOST:PORT.")
+@click.option("--shard", type=Shard(), help="Do the K-th of N shares of the work, for `merge`.")
+@click.option("--dry-run", is_flag=True, help="Write plan.csv, a row for each piece, and stop.")
+@use("threads", *REPORT)
+def command(command: str, words: tuple[str, ...], **options: Any) -> None:
+    """Run COMMAND (simulate, walk, compare, evaluate, furnace) for many scenes.
+
+    Each option of COMMAND may be a list (0.1,0.5) or a range (low:high:n, or log:low:high:n for
+    equal factors); where a comma has a meaning of its own, as in --alpha, give the option several
+    times. A TOML file has them as lists: command = "walk", alpha = ["0.1:1:4", [1, 0.1]].
+
+    Writes sweep.csv, COMMAND's main table with a column for each option that varies, and
+    sweep.png. What is done is kept beside the report while it runs: the same command goes on.
+    """
+    from msbsdf_cli.cli.sweeping import sweep
+
+    sweep(command, words, options)

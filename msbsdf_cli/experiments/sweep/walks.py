@@ -1,0 +1,98 @@
+"""Random walks of a sweep."""
+
+from dataclasses import dataclass
+from itertools import islice
+from typing import ClassVar
+
+import numpy as np
+
+from msbsdf_cli.experiments.pilot import pilot
+from msbsdf_cli.experiments.sweep.states import (
+    State,
+    of_free_paths,
+    of_tally,
+    restore,
+    restore_free_paths,
+)
+from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
+from msbsdf_cli.experiments.walks import walk_free_paths
+from msbsdf_cli.model import Smith
+from msbsdf_cli.results.files import Table
+from msbsdf_cli.results.free_paths import FreePaths
+from msbsdf_cli.results.run import Run
+from msbsdf_cli.results.tables import energy
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.heights import HEIGHTS
+from msbsdf_cli.statistics.tally import Tally
+from surfaces.streams import stream
+
+JOBS = 64
+PART = JOBS * WALKS
+"""Walks of a part at most: some seconds of work, which is what a process that dies may cost."""
+
+
+@dataclass(frozen=True)
+class WalkCase:
+    """Walks of one scene with one incident angle."""
+
+    kind: ClassVar[str] = "walk"
+    shared: ClassVar[frozenset[str]] = frozenset()
+
+    scene: Scene
+    samples: int
+    free_paths: FreePaths
+    """Empty, of the directions and heights wanted."""
+    heights: str
+    seed: int
+    precision: str
+    max_order: int
+    directions: bool
+    """Whether lobes and free paths are wanted too, and not the energies alone."""
+
+    @property
+    def parts(self) -> int:
+        return -(-self.samples // PART)
+
+    @staticmethod
+    def seconds(cases: list["WalkCase"]) -> float:
+        return sum(pilot(case.scene)[0] * min(case.samples, PART) for case in cases)
+
+    @staticmethod
+    def measure(cases: list["WalkCase"], part: int) -> list[State]:
+        return [case.walked(part) for case in cases]
+
+    def walked(self, part: int) -> State:
+        """The walks of a part, as `walk` numbers them; the free paths are with the first."""
+        scene, tally = self.scene, Tally(self.scene.orders)
+        wi = scene.wi(scene.theta[0], np.dtype(self.precision).type)
+        walks = jobs(
+            Smith(scene.slopes, scene.material),
+            wi,
+            self.samples,
+            scene.orders,
+            self.seed,
+            self.max_order,
+        )
+        for job in islice(walks, part * JOBS, (part + 1) * JOBS):
+            tally.merge(run_walks(job)[1])
+        state = of_tally(tally, self.directions)
+        if self.directions:
+            paths = self.free_paths.empty()
+            if part == 0:
+                rng = stream(self.seed, "walk free paths")
+                heights = HEIGHTS[self.heights]
+                walk_free_paths(scene.slopes, scene.phi, heights, paths, self.samples, rng)
+            state |= of_free_paths(paths)
+        return state
+
+    def run(self, state: State) -> Run:
+        """What all parts came to, as `walk` has it."""
+        tally, paths = Tally(self.scene.orders), self.free_paths.empty()
+        restore(tally, state)
+        if self.directions:
+            restore_free_paths(paths, state)
+        return Run("walk", self.scene, [tally], paths, self.heights)
+
+    def table(self, state: State) -> Table:
+        """energy.csv of the case."""
+        return energy(self.run(state).lobes())
