@@ -47,6 +47,9 @@ STREAMS = {
 COMMON = {
     "heightfield": "a realisation is the same field in whatever fineness it is meshed",
     "rays": "the same rays meet the same field on two meshes, and tell these apart",
+    "sweep": "the seed of a piece is told wherever it is wanted, and nothing else is drawn",
+    "pilot walks": "walks that decide on a resolution, and are no part of any result",
+    "pilot of time": "walks that are timed, and are no part of any result",
     "convergence heightfield": "cells and offsets are varied on the same fields",
     "convergence rays": "cells and offsets are varied under the same rays",
     "noise of distances": "the same draws, scaled, serve every distance",

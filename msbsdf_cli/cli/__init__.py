@@ -42,6 +42,26 @@ class Lazy(click.Group):
         command: click.Command = import_module(f"msbsdf_cli.cli.{name}").command
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is called; refused where one of its options is given twice, of which
+        click would take the last."""
+        name, command, rest = super().resolve_command(ctx, args)
+        seen: set[str] = set()
+        params = command.params if command is not None else []
+        once = [p for p in params if isinstance(p, click.Option) and not p.multiple]
+        flags = {flag: str(p.name) for p in once for flag in p.opts}
+        for flag in (word.partition("=")[0] for word in rest):
+            if flags.get(flag) in seen:
+                raise click.UsageError(
+                    f"{flag} is given twice, and `{name}` takes one; `msbsdf sweep` runs a "
+                    "command for several."
+                )
+            seen.add(flags.get(flag, ""))
+            seen.discard("")
+        return name, command, rest
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
         with formatter.section("Commands"):

@@ -25,15 +25,17 @@ def merge_runs(places: list[Path], records: list[Options], options: Options) -> 
 
     Raises ValueError, with the name of a directory, for what is not of the same light.
     """
-    first, seeds = records[0], [record["seed"] for record in records]
+    first, seeds = records[0], []
     for place, record in zip(places, records, strict=True):
         _refuse_versions(place, record, first)
         if record["command"] != first["command"]:
             commands = f"`{record['command']}`, {places[0]} of `{first['command']}`"
             raise ValueError(f"{place} is a report of {commands}: they do not add up.")
         _refuse_options(place, record["options"], first["options"])
-        if seeds.count(record["seed"]) > 1:
-            raise ValueError(f"{place}: the seed {record['seed']} is in two of the reports.")
+        own = record["seed"] if isinstance(record["seed"], list) else [record["seed"]]
+        for seed in (seed for seed in own if seed in seeds):
+            raise ValueError(f"{place}: the seed {seed} is in two of the reports.")
+        seeds += own
     _, total = read_run(places[0])
     for place in places[1:]:
         total.merge(read_run(place)[1])

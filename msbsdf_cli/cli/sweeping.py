@@ -29,7 +29,7 @@ from msbsdf_cli.results.sweeps import (
     read,
     refuse_other,
 )
-from msbsdf_cli.run.cluster import cluster
+from msbsdf_cli.run.cluster import MISSING, cluster, has_dask
 from msbsdf_cli.run.completed import Failed, map_completed
 from msbsdf_cli.run.executors import Workers
 from msbsdf_cli.run.memory import gigabytes
@@ -40,6 +40,8 @@ Options = dict[str, Any]
 
 def sweep(command: str, words: tuple[str, ...], own: Options) -> None:
     """Do a study, or the rest of it, and write its report."""
+    if own["scheduler"] is not None and not has_dask():
+        raise click.UsageError(f"--scheduler: {MISSING}")
     found = study_of(command, words)
     shard = own["shard"]
     share = "" if shard is None else f"-{shard[0]}-of-{shard[1]}"
@@ -122,7 +124,7 @@ def announce(sweep: Sweep, own: Options) -> int:
         raise click.UsageError(refusal.reason)
     mine = len(range(k - 1, pieces, n))
     costs = [seconds for _, seconds in costed(sweep, pieces, FEW) if seconds is not None]
-    seconds = sum(costs) / len(costs) * mine / own["threads"]
+    seconds = (sum(costs) / len(costs) + OVERHEAD_S) * mine / own["threads"]
     results = len(sweep.cases) * len(sweep.seeds)
     share = "" if n == 1 else f", {mine} of them in this share"
     _say(
@@ -132,6 +134,9 @@ def announce(sweep: Sweep, own: Options) -> int:
     )
     return mine
 
+
+OVERHEAD_S = 3e-3
+"""Of a piece: handing it over, and keeping what it came to."""
 
 FEW, MANY = 16, 400
 """Pieces whose cost is estimated one by one, of a whole that is announced, and of a plan."""
@@ -181,7 +186,7 @@ def do(sweep: Sweep, store: PieceStore, own: Options, total: int) -> dict[str, s
     mine = islice(sweep.pieces(), k - 1, None, n)
     left = (piece for piece in mine if name_of(piece.seed, piece.number) not in done)
     with (
-        Progress("sweep", total, "pieces", own["quiet"]) as progress,
+        Progress("sweep", max(total, 1), "pieces", own["quiet"]) as progress,
         workers(own) as executor,
     ):
         progress.skip(len(done))

@@ -74,9 +74,15 @@ def lobes_of(
 ) -> Lobes:
     """The light in tallies, one for each incident angle."""
 
+    figures = [tally.figures() for tally in tallies]
+
     def estimate(name: str) -> Estimate:
-        each = [tally.estimate(name) for tally in tallies]
-        return Estimate(np.array([e.value for e in each]), np.array([e.stderr for e in each]))
+        both = (
+            np.array([tally.views(row)[name] for tally, row in zip(tallies, rows, strict=True)])
+            for rows in zip(*figures, strict=True)
+        )
+        value, variance = both
+        return Estimate(value, np.sqrt(variance))
 
     rest = {name: estimate(name) for name in REST}
     light = estimate("energy"), estimate("lobe")

@@ -6,9 +6,12 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from itertools import chain, islice
-from typing import Generic
+from typing import Generic, Protocol, runtime_checkable
 
 from msbsdf_cli.run.executors import AHEAD, OTHER_WORKERS, Job, Result, Workers, processes
+
+LOOK_S = 10
+"""How often to look whether anybody works at all, where nothing comes back."""
 
 KILLED = "its process was killed, most likely for want of memory"
 
@@ -18,6 +21,14 @@ class Failed:
     """Why a job has no result."""
 
     reason: str
+
+
+@runtime_checkable
+class Watched(Protocol):
+    """An executor that may lose all who work for it."""
+
+    def check(self) -> None:
+        """Raise RuntimeError where nobody is left."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +103,10 @@ def _on(
                     yield more[0], None
             if not waiting:
                 return
-            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+            done = wait(waiting, LOOK_S, return_when=FIRST_COMPLETED).done
+            if not done and isinstance(executor, Watched):
+                executor.check()
+            for future in done:
                 job = waiting.pop(future)
                 result = _result(future)
                 broken = broken or result is None

@@ -7,6 +7,7 @@ realisation of the surface (`Tally.as_unit`).
 """
 
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class Tally:
             "absorbed": (),
             "unresolved": (),
         }
-        size = sum(int(np.prod(shape)) for shape in self._shapes.values())
+        size = sum(prod(shape) for shape in self._shapes.values())
         self.sums = np.zeros((2, size))
         self._sum, self._square = (self.views(row) for row in self.sums)
 
@@ -63,7 +64,7 @@ class Tally:
         """Parts of a row of all figures, by name, in the shapes of `estimate`."""
         views, start = {}, 0
         for name, shape in self._shapes.items():
-            end = start + int(np.prod(shape))
+            end = start + prod(shape)
             views[name] = row[start:end].reshape(shape)
             start = end
         return views

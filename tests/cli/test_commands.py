@@ -47,6 +47,7 @@ def report(tmp_path_factory):
         (["--theta", "90deg"], "90deg"),
         (["--theta", "-0.1"], "-0.1"),
         (["--theta", "1,1"], "twice"),
+        (["--alpha", "0.3", "--alpha=0.5"], "--alpha is given twice"),
         (["--phi", "1,2"], "one angle"),
         (["--ior", "1"], "index"),
         (["--ior", "-2"], "index"),

@@ -18,6 +18,10 @@ from surfaces import streams
 ROOT = Path(__file__).parents[2]
 SURFACES = ["--cells", "4", "--extent", "8", "--realisations", "3", "--samples", "600"]
 RUNS = [
+    [
+        *("sweep", "compare", *SURFACES, "--alpha", "0.5", "--alpha", "1", "--theta", "0,1"),
+        *("--material", "conductor,dielectric", "--seed", "1"),
+    ],
     ["compare", *SURFACES, "--theta", "0"],
     ["evaluate", "--method", "walk,exact", "--samples", "64", "--points", "4", "--theta", "0,1"],
     ["simulate", *SURFACES[:-2], "--samples", "64", "--theta", "0,1", "--convergence"],

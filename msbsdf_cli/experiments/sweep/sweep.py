@@ -35,15 +35,15 @@ class Sweep:
 
     def pieces(self) -> Iterator[Piece]:
         """All pieces of work, one after the other, none of which is kept."""
-        for number in self.seeds:
+        for seed in self.seeds:
             first = 0
             for group in self.groups():
-                found = list(self._of_group(group, number, first))
+                settings = {case: self.setting(case, seed) for case in group}
+                found = list(self._of_group(settings, seed, first))
                 first += len(found)
                 yield from found
 
-    def _of_group(self, group: list[int], seed: int, first: int) -> Iterator[Piece]:
-        settings = {case: self.setting(case, seed) for case in group}
+    def _of_group(self, settings: dict[int, Setting], seed: int, first: int) -> Iterator[Piece]:
         good = {c: s.cases for c, s in settings.items() if not isinstance(s, Failure)}
         for kind in self.kinds:
             for together in self._shared(list(good), kind):
@@ -69,19 +69,20 @@ class Sweep:
         firsts = dict.fromkeys(self.seeds, 0)
         for group in self.groups():
             of_seed: dict[int, dict[int, Any]] = {}
+            settings: dict[int, dict[int, Setting]] = {}
             for seed in self.seeds:
-                pieces = list(self._of_group(group, seed, firsts[seed]))
+                settings[seed] = {case: self.setting(case, seed) for case in group}
+                pieces = list(self._of_group(settings[seed], seed, firsts[seed]))
                 firsts[seed] += len(pieces)
                 of_seed[seed] = _states(pieces, read)
             for case in group:
                 for seeds in (self.seeds,) if together else ((seed,) for seed in self.seeds):
                     found = [of_seed[seed].get(case, {}) for seed in seeds]
-                    table = self._table(case, seeds[0], found)
+                    table = self._table(settings[seeds[0]][case], found)
                     if table is not None:
                         yield case, seeds[0], table
 
-    def _table(self, case: int, seed: int, found: list[dict[str, Any]]) -> Table | Failure | None:
-        setting = self.setting(case, seed)
+    def _table(self, setting: Setting, found: list[dict[str, Any]]) -> Table | Failure | None:
         if isinstance(setting, Failure):
             return setting
         states: dict[str, State] = {}
