@@ -18,7 +18,7 @@ def test_one_cell_alone(tmp_path):
     (row,) = table(tmp_path / "r" / "stability.csv")
     assert list(row)[: len(COLUMNS)] == list(COLUMNS)
     assert row["cell"] == CELL
-    # Directions in single precision are no finer than this: see the README.
+    # Directions in single precision are no finer than this: see `reports/trust.md`.
     assert row["verdict"] == "degraded"
     assert "first order off by" in row["note"]
     found = json.loads(result.stdout)

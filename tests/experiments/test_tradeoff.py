@@ -254,7 +254,7 @@ def test_energies_by_ever_more_surfaces():
 
 
 def test_the_bias_of_one_mesh_is_that_of_its_cells():
-    """The README's .011 of an order on 4 cells, of energies of .47 and .46."""
+    """The .011 of `reports/trust.md` of an order on 4 cells, of energies of .47 and .46."""
     _, one, _, three = simulated(4, 16)
     step = np.sqrt(one.bias**2 - three.bias**2)
     assert step * np.hypot(0.47, 0.46) == pytest.approx(0.011, rel=0.3)
