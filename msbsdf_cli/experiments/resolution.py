@@ -1,9 +1,10 @@
 """How finely and how often to make a surface: no more than the scene and the accuracy need.
 
 The rules were measured with mirror facets, alpha 0.1 to 1, theta 0 to 1.5, by holding fields
-against the same fields on finer meshes, and short periods against long ones; `reports/trust.md` shows them.
-They are for the energies of single orders, and rest on the share of light that the Smith model
-sends to a second facet: where that is nothing, a mesh of any fineness gives the same answer.
+against the same fields on finer meshes, and short periods against long ones; `reports/trust.md`
+shows them. They are for the energies of single orders, and rest on the share of light that the
+Smith model sends to a second facet: where that is nothing, a mesh of any fineness gives the same
+answer.
 """
 
 import math
