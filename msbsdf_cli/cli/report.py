@@ -76,10 +76,14 @@ class Report(Part):
 
     @contextmanager
     def draft(self) -> Iterator[Path]:
-        """A directory to write into, which becomes the report when all is written."""
+        """A directory to write into, which becomes the report when all is written; index.html is
+        made of it."""
+        from msbsdf_cli.pages.page import write_page
+
         wanted = self.place.out
         with self.place.draft() as draft:
             yield draft
+            write_page(draft)
         if self.place.out != wanted:
             click.echo(
                 f"Warning: {wanted} was taken while this ran; the report is in {self.place.out}.",

@@ -1,0 +1,99 @@
+"""The page of a report: whole, small, and nothing from elsewhere."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from command_line import msbsdf
+from PIL import Image
+
+from msbsdf_cli.pages import page
+from msbsdf_cli.pages.citations import papers
+
+VOID = {"meta", "link", "img", "input", "br"}
+
+
+class Checked(HTMLParser):
+    """Every element is closed in its turn; attributes by element."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.found = [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def parsed(path):
+    checked = Checked()
+    checked.feed(path.read_text(encoding="utf-8"))
+    assert not checked.open
+    return checked.found
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    out = tmp_path_factory.mktemp("page") / "r"
+    words = ("--samples", "5000", "--cells", "4", "--extent", "6", "--realisations", "3")
+    run = msbsdf("compare", *words, "--theta", "0,45deg", "--out", out, pictures=True)
+    assert run.returncode == 0
+    return out
+
+
+def test_a_page_is_whole_and_takes_nothing_from_elsewhere(report):
+    found = parsed(report / "index.html")
+    sources = [a[k] for _, a in found for k in ("src", "href") if k in a]
+    assert sources
+    assert all(source.startswith("data:") for source in sources)
+    assert (report / "index.html").stat().st_size < 2e6
+    assert all(a.get("alt") for tag, a in found if tag == "img")
+
+
+def test_a_page_says_the_sentence_first_then_how_to_repeat_and_to_cite(report):
+    text = (report / "index.html").read_text()
+    record = json.loads((report / "run.json").read_text())
+    assert "index.html" in record["files"]
+    first = re.search(r'<p class="first">(.*?)</p>', text, re.DOTALL).group(1)
+    assert first == record["summary"]
+    assert text.index(first) < text.index("<figure") < text.index("<table")
+    for part in (record["command_line"], record["processor"], "HHdD16", "Heitz15"):
+        assert part in text
+    assert "theta_i [degrees]" in text
+    assert "45" in text
+
+
+def test_the_slider_turns_over_all_angles(report):
+    found = parsed(report / "index.html")
+    (slider,) = [a for tag, a in found if tag == "input"]
+    slides = [a for tag, a in found if tag == "figure" and a.get("class") == "slide"]
+    assert len(slides) == int(slider["max"]) + 1 == 2
+    assert [("hidden" in a) for a in slides] == [False, True]
+
+
+def test_large_pictures_are_packed_and_keep_their_colours(tmp_path):
+    rng = np.random.Generator(np.random.PCG64(0))
+    noise = np.repeat(np.repeat(rng.integers(0, 256, (250, 400, 3), np.uint8), 4, 0), 4, 1)
+    for name in ("agreement", "lobes"):
+        Image.fromarray(noise).save(tmp_path / f"{name}.png", compress_level=0)
+    made = {"command": "walk", "warnings": ["so & so"], "options": {}, "versions": {}}
+    (tmp_path / "run.json").write_text(json.dumps(made))
+    page.write_page(tmp_path)
+    text = (tmp_path / "index.html").read_text()
+    assert len(text) < 2e6
+    assert text.count("data:image/webp") == 2
+    assert "so &amp; so" in text
+
+
+def test_papers_are_those_behind_what_ran():
+    keys = [entry.partition("{")[2].partition(",")[0] for entry in papers("walk", {})]
+    assert keys == ["HHdD16"]
+    options = {"slopes": "student-t", "method": ["exact", "turquin", "exact"]}
+    keys = [e.partition("{")[2].partition(",")[0] for e in papers("evaluate", options)]
+    assert keys == ["HHdD16", "RBSM17", "BdE22", "Tur19"]
