@@ -14,7 +14,7 @@ def test_a_report_has_pictures_tables_and_linear_data(tmp_path):
     words = [*TINY, "--method", "single,walk", "--out", out, "--json"]
     result = msbsdf("render", *words, pictures=True)
     assert result.returncode == 0, result.stderr
-    names = {"render.png", "render.csv", "run.json"}
+    names = {"render.png", "render.csv", "run.json", "index.html"}
     arrays = {f"{m}{s}.npy" for m in ("single", "walk") for s in ("", "_stderr")}
     assert {p.name for p in out.iterdir()} == names | arrays
     rows = table(out / "render.csv")

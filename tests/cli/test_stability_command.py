@@ -23,7 +23,11 @@ def test_one_cell_alone(tmp_path):
     assert "first order off by" in row["note"]
     found = json.loads(result.stdout)
     assert found["verdicts"]["single float32"]["degraded"] == 1
-    assert sorted(p.name for p in (tmp_path / "r").iterdir()) == ["run.json", "stability.csv"]
+    assert sorted(p.name for p in (tmp_path / "r").iterdir()) == [
+        "index.html",
+        "run.json",
+        "stability.csv",
+    ]
 
 
 @pytest.mark.parametrize(
