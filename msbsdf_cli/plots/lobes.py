@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import PowerNorm, SymLogNorm
 from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
 
-from msbsdf_cli.plots.style import BAND_ROOM, method_look, order_colour, panels, save
+from msbsdf_cli.plots.style import in_degrees, method_look, order_colour, panels, save
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, merge_bins, spread_bins
 from surfaces.facet import Array
@@ -33,6 +34,7 @@ def draw_lobes(lobes: Lobes, directory: Path) -> None:
                 energy = lobes.bins.value[row, i, side].sum()
                 title = f"order {order}   E = {energy:.4f}"
                 _map(axes[row, 1 + i], density, density.max(), title)
+                _mark(axes[row, 1 + i], lobes, row)
             axes[row, 0].set_title(_title(lobes, row, side))
         handles = _legend(lobes.names)[: len(lobes.names)]
         figure.legend(handles=handles, loc="upper left", ncols=len(handles))
@@ -72,7 +74,7 @@ def draw_methods(simulated: Lobes, modelled: list[Lobes], directory: Path) -> No
         for row, theta in enumerate(simulated.theta):
             for axis, (order, orders) in zip(axes[row], columns.items(), strict=True):
                 _methods_panel(axis, simulated, modelled, row, orders, side)
-                axis.set_title(f"theta_i = {theta:.4g}, order {order}   [1/sr]")
+                axis.set_title(f"light from {in_degrees(theta)}, order {order}   [1/sr]")
         handles = [Line2D([], [], **method_look(k), label=m.label) for k, m in enumerate(modelled)]
         handles.append(Line2D([], [], color="0.1", marker="o", ms=2, ls="", label="simulated"))
         figure.legend(handles=handles, loc="upper left", ncols=5)
@@ -84,15 +86,22 @@ def _methods_panel(
 ) -> None:
     angle, values, errors = _plane(simulated, row, orders, side)
     axis.errorbar(angle, values, errors, fmt="o", ms=1.8, lw=0.7, color="0.1")
-    largest = values.max()
+    largest, each = values.max(), len(modelled)
     for k, lobes in enumerate(modelled):
         angle, values, errors = _plane(lobes, row, orders, side)
-        look, band = method_look(k), (values - errors, values + errors)
-        axis.plot(angle, values, **look, lw=0.9)
-        axis.fill_between(angle, *band, color=look["color"], alpha=0.15, lw=0)
+        # Bars here and there, each method's elsewhere: bands would hide one another.
+        axis.errorbar(
+            angle,
+            values,
+            errors,
+            **method_look(k),
+            lw=0.9,
+            elinewidth=0.6,
+            errorevery=(k, 4 * each),
+        )
         largest = max(largest, values.max())
     _plane_axis(axis)
-    axis.set_ylim(0, BAND_ROOM * largest if largest > 0 else 1)
+    axis.set_ylim(0, 1.15 * largest if largest > 0 else 1)
 
 
 def _draw_orders(simulated: Lobes, modelled: Lobes, row: int, path: Path) -> None:
@@ -104,8 +113,8 @@ def _draw_orders(simulated: Lobes, modelled: Lobes, row: int, path: Path) -> Non
             draw_slice(line[0], simulated, row, side, modelled, only=i)
             line[0].set_title(f"order {order}, {name}   [1/sr]")
             _map_trio(line[1:], simulated, modelled, row, side, slice(i, i + 1))
-    y, title = 1 - 0.15 / figure.get_figheight(), f"theta = {simulated.theta[row]:.4g} rad"
-    figure.suptitle(f"Incident at {title}", fontsize=9, x=0.02, y=y, ha="left")
+    y, title = 1 - 0.15 / figure.get_figheight(), f"Light from {in_degrees(simulated.theta[row])}"
+    figure.suptitle(title, fontsize=9, x=0.02, y=y, ha="left")
     save(figure, path)
 
 
@@ -127,9 +136,27 @@ def draw_slice(
             axis.plot(angle, density, color=colour, label=f"order {label}")
             axis.fill_between(angle, density - stderr, density + stderr, color=colour, alpha=0.25)
         else:
-            axis.errorbar(angle, density, stderr, fmt="o", ms=1.8, lw=0.7, color=colour)
-            axis.plot(angle, _plane(model, row, order, side)[1], color=colour, lw=0.9)
+            # Where no more than noise is known there is no point.
+            seen = density > stderr
+            points = angle[seen], density[seen], stderr[seen]
+            axis.errorbar(*points, fmt="o", ms=1.8, lw=0.7, color=colour)
+            line, bar = _plane(model, row, order, side)[1:]
+            axis.plot(angle, np.where(line > bar, line, np.nan), color=colour, lw=0.9)
     _plane_axis(axis)
+    if only is None:
+        _over_decades(axis, lobes, row, side)
+
+
+DECADES = 1e-4
+"""Densities of single orders are drawn down to this share of the largest."""
+
+
+def _over_decades(axis: Any, lobes: Lobes, row: int, side: int) -> None:
+    """Later orders, which a linear axis would press onto the line of 0, beside the first."""
+    top = max(_plane(lobes, row, slice(i, i + 1), side)[1].max() for i in range(len(lobes.names)))
+    if top > 0:
+        axis.set_yscale("log")
+        axis.set_ylim(DECADES * top, 1.5 * top)
 
 
 def _plane_axis(axis: Any) -> None:
@@ -180,12 +207,12 @@ def _legend(orders: list[str]) -> list[Any]:
 
 def _title(lobes: Lobes, row: int, side: int) -> str:
     energy = lobes.energy.value[row, :, side].sum()
-    return f"theta_i = {lobes.theta[row]:.4g}   {SYMBOLS[side]} = {energy:.4f}   [1/sr]"
+    return f"light from {in_degrees(lobes.theta[row])}   {SYMBOLS[side]} = {energy:.4f}   [1/sr]"
 
 
 def _grid(rows: int, maps: int) -> tuple[Any, Any]:
     """Axes for a slice and `maps` hemisphere maps in each row."""
-    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.2, 0.72))
+    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.42, 0.72), right=0.45)
 
 
 def _map_trio(
@@ -200,9 +227,27 @@ def _map_trio(
     for axis, (name, lobes, density) in zip(axes, named, strict=False):
         energy = lobes.energy.value[place].sum()
         _map(axis, density, top, f"{name}   {SYMBOLS[side]} = {energy:.4f}")
+        _mark(axis, lobes, row)
     difference = _significant(pair[1] - pair[0], np.sqrt(squares[0] + squares[1]))
-    top = float(np.abs(difference).max())
-    _map(axes[2], difference, top, "modelled - simulated, > 2 s.e.", signed=True)
+    # The same share of the peak in every row: rows are compared by their colours.
+    _map(axes[2], difference, SHARE * top, "modelled - simulated, > 2 s.e.", signed=True)
+    _mark(axes[2], simulated, row)
+
+
+SHARE = 0.2
+"""Of the peak of a lobe, at which the colour of a difference is fullest."""
+
+
+def _mark(axis: Any, lobes: Lobes, row: int) -> None:
+    """Rings at polar angles of 30 and 60 degrees, and a triangle where the light comes from."""
+    middle = (PIXELS - 1) / 2
+    for angle in (30, 60):
+        ring = Circle((middle, middle), middle * angle / 90, fill=False, color="0.6", lw=0.4)
+        axis.add_patch(ring)
+    radius, phi = lobes.theta[row] / (np.pi / 2), lobes.phi
+    x, y = (middle * (1 + 0.95 * radius * part) for part in (math.cos(phi), math.sin(phi)))
+    # A triangle that points from there to the pole.
+    axis.plot(x, y, marker=(3, 0, math.degrees(phi) + 90), ms=5, color="#2a9d2a", ls="")
 
 
 def _significant(difference: Array, noise: Array) -> Array:
@@ -222,17 +267,19 @@ def _map(axis: Any, density: Array, top: float, title: str, signed: bool = False
     scale = float(top) or 1.0
     image = np.append(density.ravel(), np.nan)[_disc()]
     norm: Any = SymLogNorm(scale / 30, vmin=-scale, vmax=scale)
-    axis.imshow(
+    drawn = axis.imshow(
         image,
         origin="lower",
         cmap="RdBu_r" if signed else "magma",
         norm=norm if signed else PowerNorm(0.5, 0, scale),
         interpolation="nearest",
     )
-    axis.set_title(
-        f"{title}\n{'-' if signed else '0'}{f'{top:.2g}' if signed else ''} to {top:.2g}"
-    )
+    axis.set_title(title)
     axis.axis("off")
+    bar = axis.figure.colorbar(drawn, cax=axis.inset_axes((1.02, 0.15, 0.05, 0.7)))
+    bar.set_ticks([-scale, 0, scale] if signed else [0, scale / 4, scale])
+    bar.ax.set_yticklabels([f"{x:.2g}" for x in bar.get_ticks()], fontsize=5.5)
+    bar.ax.minorticks_off()
 
 
 def _disc() -> Array:

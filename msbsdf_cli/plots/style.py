@@ -1,5 +1,6 @@
 """How pictures look: for print, and told apart without colour where it matters."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -41,11 +42,12 @@ def panels(
     widths: Sequence[float],
     height: float,
     gap: tuple[float, float] = (0.45, 0.62),
+    right: float = 0.15,
     **keywords: Any,
 ) -> tuple[Any, Any]:
     """A figure and its axes (rows, columns), sizes in inches, laid out at once: Matplotlib's own
     layout draws everything three times."""
-    left, right, bottom, top = 0.85, 0.15, 0.5, 0.6
+    left, bottom, top = 0.85, 0.5, 0.6
     across = left + sum(widths) + gap[0] * (len(widths) - 1) + right
     up = bottom + rows * height + gap[1] * (rows - 1) + top
     figure, axes = plt.subplots(
@@ -60,6 +62,11 @@ def panels(
         gap[1] / height,
     )
     return figure, axes
+
+
+def in_degrees(angle: float) -> str:
+    """An angle in radians as a person reads it."""
+    return f"{math.degrees(angle):.4g}°"
 
 
 def order_colour(index: int) -> str:
