@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from msbsdf_cli.plots.style import order_colour, panels, save
+from msbsdf_cli.plots.style import in_degrees, order_colour, panels, save
 from msbsdf_cli.results.files import Table
 
 AXES = {
@@ -17,18 +17,18 @@ AXES = {
 
 def draw_convergence(table: Table, directory: Path) -> None:
     """A row for each incident angle, a column for each parameter, a colour for each order of
-    reflected and, dashed, transmitted light."""
+    reflected (discs) and transmitted light (triangles)."""
     rows = [dict(zip(table, values, strict=True)) for values in zip(*table.values(), strict=True)]
     angles = list(dict.fromkeys(r["theta_i_rad"] for r in rows))
     orders = list(dict.fromkeys(r["order"] for r in rows))
-    figure, axes = panels(len(angles), [1.9] * len(AXES), 1.3, (0.55, 0.55))
+    figure, axes = panels(len(angles), [1.9] * len(AXES), 1.3, (0.25, 0.55), sharey="row")
     for i, theta in enumerate(angles):
         for j, (parameter, label) in enumerate(AXES.items()):
             axis = axes[i, j]
             mine = [r for r in rows if r["theta_i_rad"] == theta and r["parameter"] == parameter]
             values = list(dict.fromkeys(r["value"] for r in mine))
             for k, order in enumerate(orders):
-                for side, style in (("reflected", "-"), ("transmitted", "--")):
+                for side, marker in (("reflected", "o"), ("transmitted", "^")):
                     line = [r for r in mine if r["order"] == order and r["side"] == side]
                     if not line:
                         continue
@@ -41,15 +41,15 @@ def draw_convergence(table: Table, directory: Path) -> None:
                         x,
                         y,
                         error,
-                        fmt="o" + style,
-                        ms=2,
+                        fmt=marker,
+                        ms=2.5,
                         lw=0.8,
                         color=order_colour(k),
                         label=name,
                     )
             axis.axhline(0, color="0.4", lw=0.6)
             axis.set_xticks(range(len(values)), [v if v == "all" else f"{v:g}" for v in values])
-            axis.set_title(f"theta_i = {theta:.4g}")
+            axis.set_title(f"light from {in_degrees(theta)}")
             axis.set_xlabel(label, labelpad=1)
         axes[i, 0].set_ylabel("energy, less that\nof the last value")
     handles = axes[0, 0].get_legend_handles_labels()

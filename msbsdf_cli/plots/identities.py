@@ -17,19 +17,20 @@ SHOWN = 8.0
 
 
 def draw_identities(rows: list[Any], path: Path) -> None:
-    """Three panels: sorted z-scores against normal quantiles, z-scores identity by identity, and
-    deviations without noise over their tolerance."""
+    """Three panels: sorted z-scores against normal quantiles, z-scores section by section of the
+    papers, and deviations without noise over their tolerance; where one fails, its name."""
     judged = [r for r in rows if r.verdict != "agreement"]
     # Where p is 1 nothing else could have come out: that is no draw from probability.
     noisy = [r for r in judged if r.z is not None and r.finding.wanted == "holds" and r.p_value < 1]
     exact = [r for r in judged if r.p_value is None]
-    names = list(dict.fromkeys(r.finding.identity for r in judged))
-    height = max(3.6, 0.115 * len(names))
+    sections = list(dict.fromkeys(r.finding.section for r in judged))
+    height = max(3.6, 0.17 * len(sections))
     figure, axes = panels(1, [3.2, 3.4, 1.9], height, (1.75, 0.6))
     _quantiles(axes[0, 0], noisy)
-    _by_identity(axes[0, 1], [r for r in judged if r.z is not None], names)
-    _tolerances(axes[0, 2], exact, names)
+    _by_section(axes[0, 1], [r for r in judged if r.z is not None], sections)
+    _tolerances(axes[0, 2], exact, sections)
     axes[0, 2].set_position(_beside(axes[0, 1], axes[0, 2]))
+    names = {r.finding.identity for r in judged}
     figure.suptitle(f"{len(rows)} measurements of {len(names)} identities", x=0.02, ha="left")
     save(figure, path)
 
@@ -71,34 +72,37 @@ def _level(noisy: list[Any]) -> float:
     return holm([r.p_value for r in noisy], FAMILY_ERROR)
 
 
-def _by_identity(axis: Any, rows: list[Any], names: list[str]) -> None:
-    place = {name: i for i, name in enumerate(names)}
+def _by_section(axis: Any, rows: list[Any], sections: list[str]) -> None:
+    place = {section: i for i, section in enumerate(sections)}
     kinds = {"holds": (COLOURS[0], "o"), "fails as expected": (COLOURS[2], "v")}
     for verdict in dict.fromkeys(r.verdict for r in rows):
         colour, marker = kinds.get(verdict, (COLOURS[1], "s"))
         mine = [r for r in rows if r.verdict == verdict]
         z = np.clip([r.z for r in mine], -SHOWN, SHOWN)
-        y = [place[r.finding.identity] for r in mine]
+        y = [place[r.finding.section] for r in mine]
         axis.plot(z, y, marker, ms=2.2, color=colour, alpha=0.6)
     axis.set_xlim(-SHOWN - 0.5, SHOWN + 0.5)
     axis.axvline(0, color="0.5", lw=0.6)
     axis.set_xlabel(f"z-score (beyond {SHOWN:g} at the edge)")
-    axis.set_yticks(range(len(names)), names, fontsize=4.5)
-    axis.set_ylim(len(names), -1)
-    axis.set_title("by identity; triangles: fails as expected")
+    for r in (r for r in rows if r.failed):
+        at = float(np.clip(r.z, -SHOWN, SHOWN)), place[r.finding.section]
+        axis.annotate(r.finding.identity, at, (3, 3), textcoords="offset points", fontsize=6)
+    axis.set_yticks(range(len(sections)), sections, fontsize=6)
+    axis.set_ylim(len(sections), -1)
+    axis.set_title("by section; triangles: fails as expected")
 
 
-def _tolerances(axis: Any, rows: list[Any], names: list[str]) -> None:
-    place = {name: i for i, name in enumerate(names)}
+def _tolerances(axis: Any, rows: list[Any], sections: list[str]) -> None:
+    place = {section: i for i, section in enumerate(sections)}
     for failed, colour in ((False, COLOURS[0]), (True, COLOURS[1])):
         mine = [r for r in rows if r.failed == failed]
         share = np.clip([_share_of_tolerance(r) for r in mine], 1e-4, 1e3)
-        y = [place[r.finding.identity] for r in mine]
+        y = [place[r.finding.section] for r in mine]
         axis.plot(share, y, "o", ms=2.2, color=colour, alpha=0.6)
     axis.axvline(1, color=COLOURS[1], lw=0.8, ls="--")
     axis.set_xscale("log")
     axis.set_yticks([])
-    axis.set_ylim(len(names), -1)
+    axis.set_ylim(len(sections), -1)
     axis.set_xlabel("deviation / tolerance")
     axis.set_title("without noise")
 

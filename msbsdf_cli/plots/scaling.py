@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 
 from msbsdf_cli.experiments.tradeoff.scaling import Scaling
-from msbsdf_cli.plots.style import panels, save
+from msbsdf_cli.plots.style import in_degrees, panels, save
 from msbsdf_cli.plots.tradeoff import look
 
 AXES = {
@@ -36,7 +36,7 @@ def draw_scaling(rows: list[Scaling], path: Path) -> None:
             axis.xaxis.set_minor_formatter(NullFormatter())
             axis.set_xlabel(label, labelpad=1)
         upper.set_yscale("log")
-        upper.set_title(f"over {label}, theta_i = {first:.4g}")
+        upper.set_title(f"over {label}, light from {in_degrees(first)}")
         lower.set_yscale("linear" if parameter in ("threads", "orders") else "log")
         lower.set_ylabel(
             {"threads": "speed over one process", "orders": "time over that of 1 order"}.get(
@@ -86,4 +86,6 @@ def _draw_worth(axis: Any, line: list[Scaling], parameter: str) -> None:
     else:
         y = np.array([r.relative_rmse for r in line])
         error = np.minimum([r.relative_rmse_stderr for r in line], 0.9 * y)
-    axis.errorbar(x, y, error, fmt=marker + "-", ms=3.5, color=colour, elinewidth=0.7)
+    # Errors are noise: a line through them would show more than is known.
+    joined = "-" if error is None else ""
+    axis.errorbar(x, y, error, fmt=marker + joined, ms=3.5, color=colour, elinewidth=0.7)

@@ -33,9 +33,6 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 DASHES = ("-", "--", "-.", ":")
 DOTS_PER_INCH = 130
 
-BAND_ROOM = 1.3
-"""Height of a panel over that of its highest value, where bands of error may be much wider."""
-
 
 def panels(
     rows: int,

@@ -1,6 +1,7 @@
 """A picture of a surface, lit and traced, so that a person sees what a roughness is."""
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -21,29 +22,54 @@ def draw_surface(
     directory: Path, surface: Surface, stretch: Stretch, alpha: tuple[float, float]
 ) -> None:
     """surface.png: the surface of roughness `alpha` that `stretch` makes of a mesh, seen aslant,
-    lit from a side, with shadows; and from above, its heights over one period."""
+    lit from a side, with shadows; and from above, the heights of the same square."""
     figure, (left, right) = plt.subplots(
         1, 2, figsize=(8, 3.6), width_ratios=[1.25, 1], layout="constrained"
     )
-    left.imshow(
-        _view(surface, stretch, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear"
-    )
-    left.set_title(
-        f"alpha = {alpha[0]:.3g}, {alpha[1]:.3g}: seen from 35 degrees above the horizon"
-    )
+    brightness = _view(surface, stretch, alpha)
+    left.imshow(brightness, cmap="gray", vmin=0, vmax=1, interpolation="bilinear")
+    left.set_title(f"alpha = {alpha[0]:.3g}, {alpha[1]:.3g}: from 35° above the horizon")
     left.axis("off")
-    lengths = surface.period[:, 0] / np.diag(stretch.matrix)[:2]
+    width, (rows, columns) = _width(alpha), brightness.shape
+    _scale_bar(left, columns * _round(width / 4) / width, _round(width / 4), rows)
+    lamp = {"arrowstyle": "->", "color": "#e69f00", "lw": 1.5}
+    left.annotate("", (0.84, 0.86), (0.98, 0.98), "axes fraction", arrowprops=lamp)
+    left.text(0.83, 0.93, "light", transform=left.transAxes, ha="right", fontsize=7, color="w")
     picture = right.imshow(
-        surface.heights.T,
+        _heights(surface, stretch, width),
         origin="lower",
-        extent=(0, lengths[0], 0, lengths[1]),
+        extent=(0, width, 0, width),
         cmap="viridis",
-        aspect="auto" if max(lengths) > 3 * min(lengths) else "equal",
     )
-    right.set_title("one period; unit: standard deviation of height")
+    right.set_title("from above; unit: standard deviation of height")
     right.grid(False)
     figure.colorbar(picture, ax=right, label="height")
     save(figure, directory / "surface.png")
+
+
+def _width(alpha: tuple[float, float]) -> float:
+    """Of what is shown, in standard deviations of height."""
+    return WIDTH * 2 / float(np.sqrt(alpha[0] * alpha[1]))
+
+
+def _round(length: float) -> float:
+    """A length near to this one that is said with one digit."""
+    return float(f"{length:.0e}")
+
+
+def _scale_bar(axis: Any, pixels: float, length: float, rows: int) -> None:
+    axis.plot([8, 8 + pixels], [rows - 10] * 2, color="w", lw=2.5, solid_capstyle="butt")
+    words = f"{length:g} standard deviations of height"
+    axis.text(8, rows - 15, words, color="w", fontsize=7, va="bottom")
+
+
+def _heights(surface: Surface, stretch: Stretch, width: float) -> Array:
+    """Heights (PIXELS, PIXELS) over a square, which the period repeats to fill."""
+    x = np.linspace(0, width, PIXELS)
+    o = np.stack([*(a.ravel() for a in np.meshgrid(x, x)), np.zeros(PIXELS**2)])
+    u, v = (np.floor(stretch.to_grid(o)[:2] % surface.period)).astype(int)
+    heights: Array = surface.heights[u, v].reshape(PIXELS, PIXELS)
+    return heights
 
 
 def _view(surface: Surface, stretch: Stretch, alpha: tuple[float, float]) -> Array:
@@ -51,7 +77,7 @@ def _view(surface: Surface, stretch: Stretch, alpha: tuple[float, float]) -> Arr
     elevation = np.radians(35)
     view = np.array([0.0, np.cos(elevation), -np.sin(elevation)])
     up = np.array([0.0, np.sin(elevation), np.cos(elevation)])
-    width = WIDTH * 2 / np.sqrt(alpha[0] * alpha[1])
+    width = _width(alpha)
     x, y = np.meshgrid(np.linspace(-0.5, 0.5, PIXELS), np.linspace(0.31, -0.31, int(PIXELS * 0.62)))
     o = (x * width)[None] * np.array([1.0, 0, 0])[:, None, None] + (y * width)[None] * up[
         :, None, None
