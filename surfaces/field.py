@@ -11,6 +11,7 @@ import numpy as np
 from surfaces.facet import Array
 from surfaces.heightfield import all_waves, shortened, synthesise
 from surfaces.levelling import levelled
+from surfaces.marginal import marginal
 from surfaces.patch import Patch
 from surfaces.spectrum import spectrum
 from surfaces.streams import stream
@@ -72,22 +73,25 @@ class HeightField:
         extent: int = 12,
         cells: int = 16,
         autocorrelation: str = "gaussian",
+        heights_of: str = "gaussian",
     ) -> "HeightField":
         """A Gaussian field of height variance 1 and Beckmann slopes of roughness `alpha` (Heitz
         2015), of `extent` times 2 / alpha with `cells` cells each.
 
         `autocorrelation` is `gaussian`, whose correlation length is 2 / alpha, `exponential`,
-        `matern:NU` or `power-law:H`. The mesh is shortened by a trifle, so that its facets have the
-        slope variance alpha^2 / 2. Raises ValueError for a roughness that is not above 0, or an
-        autocorrelation that is none.
+        `matern:NU` or `power-law:H`. With `heights_of` as `ridges:S` or `pits:S` heights have the
+        skewness S or -S, and slopes are not Beckmann's. The mesh is stretched so that its facets
+        have the slope variance alpha^2 / 2. Raises ValueError for a roughness that is not above 0,
+        an autocorrelation or a distribution of heights that is none.
         """
         alphas = (alpha, alpha) if isinstance(alpha, int | float) else tuple(alpha)
         if len(alphas) != 2 or not all(0 < a < np.inf for a in alphas):
             raise ValueError(f"alpha is {alpha}: one or two finite numbers above 0 are wanted.")
-        kind = spectrum(autocorrelation)
+        kind, heights_are = spectrum(autocorrelation), marginal(heights_of)
         waves = all_waves(extent, stream(seed, "heightfield", 0, extent, 0), kind)
-        heights = synthesise(waves, extent, cells)
-        step_x, step_y = (2 / (a * shortened(cells, extent, kind)) for a in alphas)
+        heights = heights_are.heights(synthesise(waves, extent, cells))
+        per_length = shortened(cells, extent, kind, heights_are)
+        step_x, step_y = (2 / (a * per_length) for a in alphas)
         return cls(heights, (step_x, step_y), isotropic_grid=True)
 
     @classmethod

@@ -170,6 +170,20 @@ class Autocorrelation(Typed):
         return spectrum(text).name
 
 
+class HeightsOf(Typed):
+    """The name of a distribution of heights, and its skewness."""
+
+    name = "NAME[:S]"
+
+    def read(self, text: str) -> str:
+        if text == "gaussian":
+            return text
+        # Not above: it takes NumPy and SciPy.
+        from surfaces.marginal import marginal
+
+        return marginal(text).name
+
+
 UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
 
 
@@ -333,6 +347,11 @@ _OPTIONS: dict[str, Any] = {
         type=Autocorrelation(),
         default="gaussian",
         help="Of the heights: gaussian, exponential, matern:NU or power-law:HURST.",
+    ),
+    "heights-of": dict(
+        type=HeightsOf(),
+        default="gaussian",
+        help="Distribution of the heights: gaussian, or of skewness S (1): ridges:S, pits:S.",
     ),
     "waves": dict(
         type=Count(most=1_000_000),

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 OF_RANDOM = (
     "alpha",
     "autocorrelation",
+    "heights-of",
     "accuracy",
     "cells",
     "extent",
@@ -50,16 +51,22 @@ def report(command: str, options: dict[str, Any]) -> "Report":
 def scene_of_slopes(options: dict[str, Any], warn: "Report") -> Any:
     """The scene of the slopes of the surface, without heights. Raises click.BadParameter."""
     from msbsdf_cli.cli import common
-    from msbsdf_cli.smith.slopes.surface import Surface
 
     field = read(options)
     warn.warn(list(field.notes))
+    slopes = own_slopes(field, options)
+    options["alpha"] = slopes.alpha
+    return common.scene_from(options, slopes)
+
+
+def own_slopes(field: Any, options: dict[str, Any]) -> Any:
+    """The slopes of the surface, counted. Raises click.BadParameter where they have no spread."""
+    from msbsdf_cli.smith.slopes.surface import Surface
+
     try:
-        slopes = Surface.of(field.patch.slopes)
+        return Surface.of(field.patch.slopes)
     except ValueError as error:
         raise click.BadParameter(f"{options['surface']}: {error}", param_hint="--surface") from None
-    options["alpha"] = slopes.alpha_x, slopes.alpha_y
-    return common.scene_from(options, slopes)
 
 
 def simulate(options: dict[str, Any]) -> None:
@@ -78,7 +85,8 @@ def simulate(options: dict[str, Any]) -> None:
     refuse_size(field, options["threads"])
     about = described(field, options)
     options["alpha"] = tuple(about[f"alpha_{axis}"].value for axis in "xy")
-    scene = common.scene_from(options)
+    options["slopes"] = OF_SURFACE
+    scene = common.scene_from(options, own_slopes(field, options))
     place.warn([*common.scene_warnings(options), *field.notes, *about.warnings])
     names = ("seed", "threads", "max_order", "quiet")
     with place.draft() as draft:

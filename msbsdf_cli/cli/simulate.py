@@ -19,7 +19,7 @@ from msbsdf_cli.cli.options import (
     use,
 )
 
-RESOLVED = ("cells", "extent", "realisations", "waves", "autocorrelation")
+RESOLVED = ("cells", "extent", "realisations", "waves", "autocorrelation", "heights_of")
 
 CELLS_OF_PICTURE = 32
 """So that a person sees the surface and not the mesh."""
@@ -28,10 +28,10 @@ CELLS_OF_PICTURE = 32
 @click.command("simulate")
 @use(*MODEL_OF_SURFACES, "orders")
 @samples(None)
-@use(*RESOLUTION, "convergence", "save-mesh", "surface", *OF_FILE, "wavelength")
+@use("heights-of", *RESOLUTION, "convergence", "save-mesh", "surface", *OF_FILE, "wavelength")
 @use("max-order", *FREE_PATH, "seed", "threads", *REPORT)
 def command(**options: Any) -> None:
-    """Trace light on explicit surfaces: random Beckmann ones, or your own.
+    """Trace light on explicit surfaces: random ones, or your own.
 
     Several independent periodic surfaces are made, meshed and traced with Embree; all standard
     errors come from the spread between them. Writes energies per order, moments, lobes, free paths
@@ -47,8 +47,8 @@ def command(**options: Any) -> None:
         own_surface.simulate(options)
         return
     scene = common.scene_from(options)
-    free_paths = common.free_paths_from(options, "gaussian")
-    report = Report("simulate", scene.slug(), options)
+    free_paths = common.free_paths_from(options, options["heights_of"])
+    report = Report("simulate", slug(scene, options), options)
     refuse_mesh(options)
     resolution = resolve(scene, options)
     report.warn(common.scene_warnings(options) + surface_warnings(options))
@@ -68,6 +68,14 @@ def command(**options: Any) -> None:
         show_run(lobes, result, "rays")
 
     report.end(show)
+
+
+def slug(scene: Any, options: dict[str, Any]) -> str:
+    """The scene as a file name; slopes of skewed heights have no name of their own."""
+    if options["heights_of"] == "gaussian":
+        return str(scene.slug())
+    alpha = (f"{a:g}" for a in dict.fromkeys(scene.alpha))
+    return "-".join((scene.material.name, options["heights_of"].replace(":", "-"), *alpha))
 
 
 def resolve(scene: Any, options: dict[str, Any]) -> Any:
@@ -133,7 +141,7 @@ def run(scene: Any, resolution: Any, free_paths: Any, options: dict[str, Any]) -
 
 def draw(draft: Path, scene: Any, resolution: Any, options: dict[str, Any]) -> Callable[[], None]:
     """What draws the first surface; the surface itself becomes a mesh where that is wanted."""
-    from msbsdf_cli.experiments.realisations import realisation
+    from msbsdf_cli.experiments.random_surfaces import realisation
     from msbsdf_cli.plots.surface import draw_surface
 
     if options["save_mesh"] is not None:
@@ -151,6 +159,6 @@ def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:
     from msbsdf_cli.results.files import write_csv
 
     rays = options["samples"], options["seed"], options["threads"], options["quiet"]
-    table = convergence(scene, *rays, autocorrelation=options["autocorrelation"])
+    table = convergence(scene, *rays, *(options[n] for n in RESOLVED[-2:]))
     write_csv(draft / "convergence.csv", table)
     draw_convergence(table, draft)
