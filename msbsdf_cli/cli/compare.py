@@ -31,7 +31,8 @@ Pictures = list[Callable[[], None]]
 @samples(None)
 @use(
     "heights-of",
-    *RESOLUTION,
+    "autocorrelations",
+    *RESOLUTION[1:],
     "save-mesh",
     "surface",
     *OF_FILE,
@@ -49,6 +50,8 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     RUN is the directory of a report of `simulate` or `walk`; what is not given is run, for the
     same scene. Writes agreement.csv and pictures, and the reports that it made as directories.
     With --method, the lobes of other methods are held against the surfaces instead of the walk.
+    With several --autocorrelation, the walk is held against surfaces of each, which it cannot tell
+    apart, and spectra.png shows how far its multiple bounces are off.
 
     With --surface, says what part of the difference from your surface comes from the slope
     distribution, which is fitted to it (the best one, or that of --slopes), what part from heights
@@ -60,6 +63,13 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     if options["surface"] is not None:
         compare_surface.compare(options)
         return
+    if len(options["autocorrelation"]) > 1:
+        from msbsdf_cli.cli import compare_spectra
+
+        compare_spectra.check_options(runs, options)
+        compare_spectra.compare(options)
+        return
+    (options["autocorrelation"],) = options["autocorrelation"]
     if options["heights_of"] != "gaussian" and not runs:
         from msbsdf_cli.cli import compare_skewed
 

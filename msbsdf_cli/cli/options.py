@@ -170,6 +170,18 @@ class Autocorrelation(Typed):
         return spectrum(text).name
 
 
+class Autocorrelations(Typed):
+    """Several of them, separated by commas, none of them twice."""
+
+    name = "NAME[:X],..."
+
+    def read(self, text: str) -> tuple[str, ...]:
+        names = tuple(map(Autocorrelation().read, map(str.strip, text.split(","))))
+        if len(set(names)) < len(names):
+            raise ValueError(f"{quoted(text)} names an autocorrelation twice.")
+        return names
+
+
 class HeightsOf(Typed):
     """The name of a distribution of heights, and its skewness."""
 
@@ -348,6 +360,12 @@ _OPTIONS: dict[str, Any] = {
         default="gaussian",
         help="Of the heights: gaussian, exponential, matern:NU or power-law:HURST.",
     ),
+    "autocorrelations": dict(
+        type=Autocorrelations(),
+        default="gaussian",
+        help="Of the heights: gaussian, exponential, matern:NU or power-law:HURST; of several, the "
+        "one model is held against surfaces of each.",
+    ),
     "heights-of": dict(
         type=HeightsOf(),
         default="gaussian",
@@ -430,6 +448,7 @@ _OPTIONS: dict[str, Any] = {
 VARIANTS = {
     "surface-slopes": "slopes",
     "slopes-or-surface": "slopes",
+    "autocorrelations": "autocorrelation",
     "eta-k-channels": "eta-k",
     "albedo-channels": "albedo",
     "theta-furnace": "theta",

@@ -26,7 +26,7 @@ def draw_surface(
         1, 2, figsize=(8, 3.6), width_ratios=[1.25, 1], layout="constrained"
     )
     left.imshow(
-        _view(surface, stretch, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear"
+        lit_view(surface, stretch, alpha), cmap="gray", vmin=0, vmax=1, interpolation="bilinear"
     )
     left.set_title(
         f"alpha = {alpha[0]:.3g}, {alpha[1]:.3g}: seen from 35 degrees above the horizon"
@@ -46,7 +46,7 @@ def draw_surface(
     save(figure, directory / "surface.png")
 
 
-def _view(surface: Surface, stretch: Stretch, alpha: tuple[float, float]) -> Array:
+def lit_view(surface: Surface, stretch: Stretch, alpha: tuple[float, float]) -> Array:
     """Brightness (PIXELS, PIXELS) of a diffuse surface under a low lamp, seen by parallel rays."""
     elevation = np.radians(35)
     view = np.array([0.0, np.cos(elevation), -np.sin(elevation)])
