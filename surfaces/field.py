@@ -120,7 +120,11 @@ class HeightField:
         heights, notes = _one_period(scan.heights) if periodic else (scan.heights, ())
         patch = Patch(heights if periodic else levelled(heights, detrend), scan.step, periodic)
         if filter_length is not None:
-            patch = patch.filtered(filter_length)
+            before, patch = patch, patch.filtered(filter_length)
+            if not np.ptp(patch.heights) > ROUNDING * np.ptp(before.heights):
+                raise ValueError(
+                    f"{path}: a filter of length {filter_length:g} leaves nothing of its heights."
+                )
         return cls(patch.heights, scan.step, periodic=periodic, notes=scan.notes + notes)
 
     def piece(self, number: int, of: int) -> tuple[int, int]:
@@ -212,6 +216,9 @@ def _one_period(heights: Array) -> tuple[Array, tuple[str, ...]]:
     notes = (f"the last points along {' and '.join(cut)} repeat the first and were left out",)
     return heights - heights.mean(), notes if cut else ()
 
+
+ROUNDING = 1e-12
+"""Of heights that were transformed and back."""
 
 REPEATED = 1e-6
 """Of the height of a surface: single precision of files."""

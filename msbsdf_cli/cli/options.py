@@ -2,6 +2,7 @@
 
 import math
 import os
+import string
 from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any
@@ -197,6 +198,7 @@ class HeightsOf(Typed):
 
 
 UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
+LETTERS = "µμ" + string.ascii_letters
 
 
 class Lengths(Typed):
@@ -210,8 +212,15 @@ class Lengths(Typed):
     def read(self, text: str) -> tuple[float, ...]:
         lengths = []
         for part in map(str.strip, text.split(",")):
-            unit = next((u for u in UNITS if part.endswith(u)), "")
-            lengths.append(_numbers(part.removesuffix(unit))[0] * UNITS.get(unit, 1.0))
+            number = part.rstrip(LETTERS)
+            # An exponent without digits, infinity and the like are numbers that are none.
+            unit = part[len(number) :] if number else ""
+            if unit and unit not in UNITS:
+                raise ValueError(
+                    f"{quoted(part)} is in no unit that is known: {', '.join(UNITS)}; a number "
+                    "alone is in metres."
+                )
+            lengths.append(_numbers(number or part)[0] * UNITS.get(unit, 1.0))
         if len(lengths) > self.most or not all(0 < x < math.inf for x in lengths):
             wanted = "a length above 0" if self.most == 1 else "one or two lengths above 0"
             raise ValueError(f"{quoted(text)} is not {wanted}, such as 2e-6 or 2um.")
@@ -353,7 +362,7 @@ _OPTIONS: dict[str, Any] = {
         metavar="N",
         help="Mesh cells in 2 / alpha, the correlation length if that is gaussian; even.",
     ),
-    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period in such lengths."),
+    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period, in 2 / alpha as well."),
     "realisations": dict(type=Count(2, most=1_000_000), metavar="N", help="Independent surfaces."),
     "autocorrelation": dict(
         type=Autocorrelation(),

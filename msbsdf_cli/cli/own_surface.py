@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from msbsdf_cli.cli.options import OF_FILE
+from msbsdf_cli.cli.options import MOST_ROUGHNESS, OF_FILE, UNITS
 from msbsdf_cli.smith.slopes import OF_SURFACE
 
 if TYPE_CHECKING:
@@ -147,7 +147,15 @@ def described(field: Any, options: dict[str, Any]) -> Any:
     wavelength = options["wavelength"] and options["wavelength"][0]
     about = field.describe(unit(options), wavelength)
     for axis in "xy":
-        if not about[f"alpha_{axis}"].value > 0:
+        alpha = about[f"alpha_{axis}"].value
+        if alpha > MOST_ROUGHNESS:
+            raise click.BadParameter(
+                f"{options['surface']} has the roughness {alpha:.2g} along {axis}, beyond every "
+                "surface: its heights and its steps are in different units, which --step and "
+                "--height-unit tell.",
+                param_hint="--surface",
+            )
+        if not alpha > 0:
             raise click.BadParameter(
                 f"{options['surface']} has no slopes along {axis}: facets that all lean one way "
                 "are no rough surface.",
@@ -195,7 +203,9 @@ def show_quantities(about: Any) -> None:
     lines = []
     for row in about.rows:
         if row.quantity in SHOWN or "misfit" in row.quantity:
-            scale, name = (1e6, "um") if row.unit == "m" else (1, row.unit)
-            value = measured(scale * row.value, scale * row.stderr)
-            lines.append((row.quantity, value, name))
-    show_table(("quantity", "value", "unit"), lines)
+            name, note = row.unit, row.note if row.quantity == "student_t_gamma" else ""
+            if name == "m":
+                name = next((u for u, size in reversed(UNITS.items()) if row.value >= size), "nm")
+            size = UNITS.get(name, 1.0)
+            lines.append((row.quantity, measured(row.value / size, row.stderr / size), name, note))
+    show_table(("quantity", "value", "unit", "note"), lines)
