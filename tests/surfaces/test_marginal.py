@@ -13,6 +13,8 @@ from msbsdf_cli.experiments.random_surfaces import (
     make_surface,
     realisation,
 )
+from msbsdf_cli.experiments.realisations import simulate
+from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import height_distribution
 from msbsdf_cli.smith.slopes import Beckmann
@@ -117,6 +119,23 @@ def test_ridges_seen_from_below_are_pits(material, theta):
     other = (means[0] - means[2]) / np.sqrt(squares[0] + squares[2])
     assert np.abs(same).max() < 4
     assert np.abs(other).max() > 8
+
+
+def test_simulations_see_ridges_from_above_only():
+    """A mesh is four surfaces, and not eight: with those upside down, ridges would be like pits."""
+    scene, found = Scene(Conductor(), Beckmann(1, 1), (0.5,), 0.3), {}
+    for name in ("ridges:2", "pits:2"):
+        resolution = Resolution(6, 10, 32, heights_of=name)
+        paths = FreePaths((), (), np.array([0.0, 1.0]))
+        run = simulate(scene, 100_000, resolution, paths, 3, 1, 1000, True)
+        assert (run.heights, run.scene.slopes.name) == (name, "surface")
+        alone = energies(name, False, range(300, 340), Conductor(), 0.5)[:, :2, 0]
+        stated = run.tallies[0].estimate("energy")
+        found[name] = stated.value[:2, 0], stated.stderr[:2, 0]
+        noise = np.hypot(found[name][1], alone.std(axis=0, ddof=1) / np.sqrt(40))
+        assert np.all(np.abs(found[name][0] - alone.mean(axis=0)) < 4 * noise)
+    (ridges, error), (pits, other) = found.values()
+    assert np.abs((ridges - pits) / np.hypot(error, other)).max() > 5
 
 
 def test_controls_know_the_slopes_of_ridges():
