@@ -5,10 +5,10 @@ from typing import ClassVar
 
 from msbsdf_cli.experiments.control_variates import NUMBER, expected
 from msbsdf_cli.experiments.pilot import pilot
+from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.realisations import (
     LobeGroups,
     Meshes,
-    Resolution,
     SurfaceJob,
     SurfaceResult,
     trace_surface,
