@@ -63,13 +63,12 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     if options["surface"] is not None:
         compare_surface.compare(options)
         return
-    if len(options["autocorrelation"]) > 1:
+    if isinstance(options["autocorrelation"], tuple):
         from msbsdf_cli.cli import compare_spectra
 
         compare_spectra.check_options(runs, options)
         compare_spectra.compare(options)
         return
-    (options["autocorrelation"],) = options["autocorrelation"]
     if options["heights_of"] != "gaussian" and not runs:
         from msbsdf_cli.cli import compare_skewed
 

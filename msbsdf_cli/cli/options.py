@@ -172,15 +172,15 @@ class Autocorrelation(Typed):
 
 
 class Autocorrelations(Typed):
-    """Several of them, separated by commas, none of them twice."""
+    """One of them, or several, separated by commas, none of them twice."""
 
     name = "NAME[:X],..."
 
-    def read(self, text: str) -> tuple[str, ...]:
+    def read(self, text: str) -> str | tuple[str, ...]:
         names = tuple(map(Autocorrelation().read, map(str.strip, text.split(","))))
         if len(set(names)) < len(names):
             raise ValueError(f"{quoted(text)} names an autocorrelation twice.")
-        return names
+        return names if len(names) > 1 else names[0]
 
 
 class HeightsOf(Typed):

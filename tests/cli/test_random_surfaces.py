@@ -130,6 +130,26 @@ def test_what_does_not_apply_is_refused(words, said, tmp_path):
     assert not (tmp_path / "r").exists()
 
 
+def test_sweeps_of_skewed_heights(tmp_path):
+    words = ["sweep", "simulate", "--heights-of", "pits:2,gaussian", *FEW, "--quiet"]
+    assert msbsdf(*words, "--out", tmp_path / "s").returncode == 0
+    alone = [*FEW, "--heights-of", "pits:2", "--quiet", "--out", tmp_path / "r"]
+    assert msbsdf("simulate", *alone).returncode == 0
+    swept = [r for r in table(tmp_path / "s" / "sweep.csv") if r["heights_of"] == "pits:2"]
+    # Other rays on the same surfaces.
+    key = ("theta_i_rad", "order", "side")
+    mine, theirs = (
+        {tuple(row[k] for k in key): [float(row[k]) for k in ("energy", "stderr")] for row in rows}
+        for rows in (swept, table(tmp_path / "r" / "energy.csv"))
+    )
+    assert mine.keys() == theirs.keys()
+    for place, (energy, stderr) in mine.items():
+        noise = stderr + theirs[place][1] + 1e-9
+        assert abs(energy - theirs[place][0]) < 4 * noise
+    words = ["sweep", "compare", "--heights-of", "pits", *FEW, "--out", tmp_path / "c"]
+    assert "--heights-of beside compare" in msbsdf(*words).stderr
+
+
 def test_simulate_takes_one_autocorrelation():
     words = ["simulate", "--autocorrelation", "gaussian,exponential"]
     assert "is not an autocorrelation" in refused(*words)
