@@ -111,6 +111,7 @@ def take_runs(names: tuple[str, ...], options: dict[str, Any]) -> dict[str, Any]
     Raises click.UsageError where a scene is given beside them, and click.ClickException for what
     is no report of a run.
     """
+    from msbsdf_cli.cli.own_surface import OF_RANDOM
     from msbsdf_cli.cli.runs import read_run
 
     handed: dict[str, Any] = {}
@@ -123,6 +124,9 @@ def take_runs(names: tuple[str, ...], options: dict[str, Any]) -> dict[str, Any]
             )
         handed[run.kind] = run
         source = click.get_current_context().get_parameter_source
+        for option in OF_RANDOM if run.kind == "simulate" else ():
+            if source(option.replace("-", "_")) is click.core.ParameterSource.COMMANDLINE:
+                raise click.UsageError(f"--{option} beside {name}: its surfaces are there already.")
         for option in SCENE:
             if source(option) is click.core.ParameterSource.COMMANDLINE:
                 raise click.UsageError(

@@ -42,6 +42,8 @@ def test_ridges_are_compared_with_a_walk_on_their_slopes(ridges, tmp_path):
     assert "the slopes that were counted on the surface" in record["summary"]
     found = {row["quantity"] for row in table(tmp_path / "c" / "agreement.csv")}
     assert {"energy", "free_path_ks"} <= found
+    for more in (["--heights-of", "pits"], ["--cells", "8"]):
+        assert f"{more[0]} beside {out}: its surfaces" in msbsdf("compare", out, *more).stderr
     walk = tmp_path / "w"
     words = ["walk", "--material", "dielectric", *FEW[:6], "--samples", "1e4", "--out", walk]
     assert msbsdf(*words).returncode == 0
