@@ -11,6 +11,7 @@ import numpy as np
 from surfaces.facet import Array
 from surfaces.heightfield import all_waves, shortened, synthesise
 from surfaces.levelling import levelled
+from surfaces.marginal import marginal
 from surfaces.patch import Patch
 from surfaces.spectrum import spectrum
 from surfaces.streams import stream
@@ -72,22 +73,25 @@ class HeightField:
         extent: int = 12,
         cells: int = 16,
         autocorrelation: str = "gaussian",
+        heights_of: str = "gaussian",
     ) -> "HeightField":
         """A Gaussian field of height variance 1 and Beckmann slopes of roughness `alpha` (Heitz
         2015), of `extent` times 2 / alpha with `cells` cells each.
 
         `autocorrelation` is `gaussian`, whose correlation length is 2 / alpha, `exponential`,
-        `matern:NU` or `power-law:H`. The mesh is shortened by a trifle, so that its facets have the
-        slope variance alpha^2 / 2. Raises ValueError for a roughness that is not above 0, or an
-        autocorrelation that is none.
+        `matern:NU` or `power-law:H`. With `heights_of` as `ridges:S` or `pits:S` heights have the
+        skewness S or -S, and slopes are not Beckmann's. The mesh is stretched so that its facets
+        have the slope variance alpha^2 / 2. Raises ValueError for a roughness that is not above 0,
+        an autocorrelation or a distribution of heights that is none.
         """
         alphas = (alpha, alpha) if isinstance(alpha, int | float) else tuple(alpha)
         if len(alphas) != 2 or not all(0 < a < np.inf for a in alphas):
             raise ValueError(f"alpha is {alpha}: one or two finite numbers above 0 are wanted.")
-        kind = spectrum(autocorrelation)
+        kind, heights_are = spectrum(autocorrelation), marginal(heights_of)
         waves = all_waves(extent, stream(seed, "heightfield", 0, extent, 0), kind)
-        heights = synthesise(waves, extent, cells)
-        step_x, step_y = (2 / (a * shortened(cells, extent, kind)) for a in alphas)
+        heights = heights_are.heights(synthesise(waves, extent, cells))
+        per_length = shortened(cells, extent, kind, heights_are)
+        step_x, step_y = (2 / (a * per_length) for a in alphas)
         return cls(heights, (step_x, step_y), isotropic_grid=True)
 
     @classmethod
@@ -116,7 +120,11 @@ class HeightField:
         heights, notes = _one_period(scan.heights) if periodic else (scan.heights, ())
         patch = Patch(heights if periodic else levelled(heights, detrend), scan.step, periodic)
         if filter_length is not None:
-            patch = patch.filtered(filter_length)
+            before, patch = patch, patch.filtered(filter_length)
+            if not np.ptp(patch.heights) > ROUNDING * np.ptp(before.heights):
+                raise ValueError(
+                    f"{path}: a filter of length {filter_length:g} leaves nothing of its heights."
+                )
         return cls(patch.heights, scan.step, periodic=periodic, notes=scan.notes + notes)
 
     def piece(self, number: int, of: int) -> tuple[int, int]:
@@ -208,6 +216,9 @@ def _one_period(heights: Array) -> tuple[Array, tuple[str, ...]]:
     notes = (f"the last points along {' and '.join(cut)} repeat the first and were left out",)
     return heights - heights.mean(), notes if cut else ()
 
+
+ROUNDING = 1e-12
+"""Of heights that were transformed and back."""
 
 REPEATED = 1e-6
 """Of the height of a surface: single precision of files."""

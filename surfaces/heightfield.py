@@ -1,10 +1,11 @@
-"""Random heightfields of Beckmann slopes: periodic, Gaussian, of unit height variance.
+"""Random heightfields: periodic, of unit height variance; Gaussian ones have Beckmann's slopes.
 
 The unit of length is such that slopes have the variance 2 along each axis; with the Gaussian
 autocorrelation exp(-(u^2 + v^2)) it is the correlation length. A surface of roughness alpha_x,
 alpha_y is such a field stretched by 2 / alpha_x and 2 / alpha_y (Heitz 2015, Generating procedural
 Beckmann surfaces): its slopes are then Gaussian, of variance alpha^2 / 2, whatever the spectrum. So
-one field serves every roughness.
+one field serves every roughness. Heights of another distribution (`surfaces.marginal`) are made of
+a Gaussian field, and are stretched so that their slopes have that variance too.
 """
 
 from functools import cache
@@ -12,6 +13,7 @@ from functools import cache
 import numpy as np
 
 from surfaces.facet import Array
+from surfaces.marginal import GAUSSIAN_HEIGHTS, Marginal
 from surfaces.spectrum import GAUSSIAN, Spectrum
 
 
@@ -32,7 +34,12 @@ def powers(extent: float, spectrum: Spectrum = GAUSSIAN) -> Array:
 
 
 @cache
-def shortened(cells: int, extent: float, spectrum: Spectrum = GAUSSIAN) -> float:
+def shortened(
+    cells: int,
+    extent: float,
+    spectrum: Spectrum = GAUSSIAN,
+    marginal: Marginal = GAUSSIAN_HEIGHTS,
+) -> float:
     """Cells a unit of length of a mesh whose facets have the slope variance of the field.
 
     A flat facet spans one cell, and its slope is the mean over it, low in variance by what the
@@ -40,8 +47,8 @@ def shortened(cells: int, extent: float, spectrum: Spectrum = GAUSSIAN) -> float
     what light meets, have the variance alpha^2 / 2 exactly.
     """
     k, power = lattice(extent, spectrum), powers(extent, spectrum).sum(axis=1)
-    half_chord = np.sin(k / (2 * cells)) * cells
-    return float(cells / np.sqrt(2 * half_chord**2 @ power))
+    apart = 2 * np.sin(k / (2 * cells)) ** 2 @ power
+    return float(1 / np.sqrt(marginal.half_structure(float(power.sum()), apart)))
 
 
 def all_waves(extent: float, rng: np.random.Generator, spectrum: Spectrum = GAUSSIAN) -> Array:

@@ -16,6 +16,7 @@ from embreex.rtcore_scene import EmbreeScene
 
 from surfaces.facet import Array
 from surfaces.heightfield import shortened
+from surfaces.marginal import GAUSSIAN_HEIGHTS, Marginal
 from surfaces.spectrum import GAUSSIAN, Spectrum
 from surfaces.stretch import Stretch
 
@@ -40,6 +41,8 @@ class Surface:
     embree_s: float = 0.0
     spectrum: Spectrum = GAUSSIAN
     """Of a random field: how much of its slopes facets have."""
+    marginal: Marginal = GAUSSIAN_HEIGHTS
+    """Of a random field: how its heights are distributed."""
 
     def __post_init__(self) -> None:
         for period in (n for n in self.heights.shape if n % 2):
@@ -55,7 +58,8 @@ class Surface:
     def stretch(self, alpha_x: float, alpha_y: float, phi: float | None = None) -> Stretch:
         """From the world's coordinates to the grid's, for a roughness and, turned so that the
         period matters least, for light of azimuth `phi`."""
-        per_length = shortened(self.cells, len(self.heights) / self.cells, self.spectrum)
+        extent = len(self.heights) / self.cells
+        per_length = shortened(self.cells, extent, self.spectrum, self.marginal)
         return Stretch.of(alpha_x / 2 * per_length, alpha_y / 2 * per_length, phi)
 
     @cached_property

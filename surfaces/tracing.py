@@ -16,7 +16,7 @@ from surfaces.materials import Material
 from surfaces.periodic import ESCAPED, LOST, meet, next_triangle
 from surfaces.stretch import Stretch
 from surfaces.surface import Surface
-from surfaces.views import VIEWS, Views, each, upside_down
+from surfaces.views import Views, each, upside_down
 
 BLOCK = 32768
 """Rays handled together."""
@@ -37,16 +37,15 @@ class Rays(Batch):
 
 class Tracer:
     """Light on `surface`, in the world that `stretch` takes to its grid, with facets of
-    `material`; with `all_views` on all the surfaces that the mesh is, the same number of rays on
-    each."""
+    `material`; on the first so many `views` of it, the same number of rays on each."""
 
     def __init__(
-        self, surface: Surface, stretch: Stretch, material: Material, all_views: bool = False
+        self, surface: Surface, stretch: Stretch, material: Material, views: int = 1
     ) -> None:
         self.surface = surface
         self.material = material
-        self.views = Views(stretch, VIEWS if all_views else 1)
-        self.all_views = all_views
+        self.views = Views(stretch, views)
+        self.number = views
 
     def trace(
         self,
@@ -84,8 +83,8 @@ class Tracer:
         n, o, view = place.size, np.empty((3, place.size)), None
         directions = -(self.views.to_mesh @ wi).T
         o[2] = self.surface.top
-        if self.all_views:
-            view, place = np.divmod(place * VIEWS, 1)
+        if self.number > 1:
+            view, place = np.divmod(place * self.number, 1)
             view = view.astype(np.int8)
             o[2, upside_down(view)] = self.surface.bottom
         o[:2] = morton((piece[0] + place) / piece[1]) * self.surface.period

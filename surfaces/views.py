@@ -16,6 +16,8 @@ from surfaces.stretch import Stretch
 
 VIEWS = 8
 """0 to 3: turned by so many quarters; 4 to 7: the same, upside down."""
+UPRIGHT = 4
+"""Of these, as many are of a field that is not the same upside down."""
 
 COS, SIN = np.array([[1.0, 0.0, -1.0, 0.0] * 2, [0.0, 1.0, 0.0, -1.0] * 2])
 SIDE = np.array([1.0] * 4 + [-1.0] * 4)

@@ -6,7 +6,7 @@ import click
 
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.smith.heights import HEIGHTS
+from msbsdf_cli.smith.heights import height_distribution
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
 from msbsdf_cli.smith.slopes import Slopes, distribution, parameters
 from surfaces.materials import NAMES as MATERIALS
@@ -54,7 +54,7 @@ def free_paths_from(options: dict[str, Any], heights: str) -> FreePaths:
 
     Raises click.BadParameter for a height at which there is no surface.
     """
-    distribution = HEIGHTS[heights]
+    distribution = height_distribution(heights)
     starts = options["free_path_height"] or distribution.starts
     for start in starts:
         if distribution.t(start) == float("inf"):

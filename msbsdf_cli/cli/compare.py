@@ -19,6 +19,7 @@ from msbsdf_cli.cli.options import (
     samples,
     use,
 )
+from msbsdf_cli.smith.slopes import OF_SURFACE
 
 Pictures = list[Callable[[], None]]
 """What draws pictures, side by side on all cores."""
@@ -29,7 +30,9 @@ Pictures = list[Callable[[], None]]
 @use(MODEL[0], "slopes", "gamma", *MODEL_OF_SURFACES[2:], "orders", "method")
 @samples(None)
 @use(
-    *RESOLUTION,
+    "heights-of",
+    "autocorrelations",
+    *RESOLUTION[1:],
     "save-mesh",
     "surface",
     *OF_FILE,
@@ -47,6 +50,8 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     RUN is the directory of a report of `simulate` or `walk`; what is not given is run, for the
     same scene. Writes agreement.csv and pictures, and the reports that it made as directories.
     With --method, the lobes of other methods are held against the surfaces instead of the walk.
+    With several --autocorrelation, the walk is held against surfaces of each, which it cannot tell
+    apart, and spectra.png shows how far its multiple bounces are off.
 
     With --surface, says what part of the difference from your surface comes from the slope
     distribution, which is fitted to it (the best one, or that of --slopes), what part from heights
@@ -58,6 +63,17 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     if options["surface"] is not None:
         compare_surface.compare(options)
         return
+    if isinstance(options["autocorrelation"], tuple):
+        from msbsdf_cli.cli import compare_spectra
+
+        compare_spectra.check_options(runs, options)
+        compare_spectra.compare(options)
+        return
+    if options["heights_of"] != "gaussian" and not runs:
+        from msbsdf_cli.cli import compare_skewed
+
+        compare_skewed.compare(options)
+        return
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.run.executors import do_all
@@ -65,10 +81,12 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     if len(runs) > 2:
         raise click.UsageError(f"{len(runs)} reports are given; two are compared.")
     handed = take_runs(runs, options)
-    options["heights"] = "gaussian"
-    scene = next((run.scene for run in handed.values()), None) or common.scene_from(options)
-    free_paths = common.free_paths_from(options, "gaussian")
+    first = next(iter(handed.values()), None)
+    options["heights"] = first.heights if first else "gaussian"
+    # Where both are handed over, the walk's slopes may be others than the surface's own.
+    scene = handed.get("simulate", first).scene if first else common.scene_from(options)
     check_pair(handed, runs)
+    free_paths = common.free_paths_from(options, options["heights"])
     report = Report("compare", scene.slug(), options, tuple(map(Path, runs)))
     resolution = prepare(scene, options, handed, report)
     with report.draft() as draft:
@@ -76,7 +94,8 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
         handed_run = handed.get("simulate")
         simulated, of_surfaces = (handed_run, []) if handed_run else simulated_run(draft, *work)
         models, of_models = modelled(draft, scene, free_paths, options, handed)
-        rows, of_both = write(report, draft, simulated, models)
+        walk_on = scene if "walk" not in handed else handed["walk"].scene
+        rows, of_both = write(report, draft, simulated, models, walk_on)
         do_all([*of_surfaces, *of_models, *of_both], options["threads"])
 
     def show() -> None:
@@ -92,6 +111,7 @@ def take_runs(names: tuple[str, ...], options: dict[str, Any]) -> dict[str, Any]
     Raises click.UsageError where a scene is given beside them, and click.ClickException for what
     is no report of a run.
     """
+    from msbsdf_cli.cli.own_surface import OF_RANDOM
     from msbsdf_cli.cli.runs import read_run
 
     handed: dict[str, Any] = {}
@@ -104,6 +124,9 @@ def take_runs(names: tuple[str, ...], options: dict[str, Any]) -> dict[str, Any]
             )
         handed[run.kind] = run
         source = click.get_current_context().get_parameter_source
+        for option in OF_RANDOM if run.kind == "simulate" else ():
+            if source(option.replace("-", "_")) is click.core.ParameterSource.COMMANDLINE:
+                raise click.UsageError(f"--{option} beside {name}: its surfaces are there already.")
         for option in SCENE:
             if source(option) is click.core.ParameterSource.COMMANDLINE:
                 raise click.UsageError(
@@ -124,24 +147,28 @@ SCENE = tuple(
 
 
 def check_pair(handed: dict[str, Any], names: tuple[str, ...]) -> None:
-    """Refuse runs of different scenes, or of what no surface is.
+    """Refuse runs of different scenes, or of what no surface is. Where the surface has slopes of
+    its own, any may be held against them.
 
     Raises click.ClickException.
     """
+    surface = handed.get("simulate")
+    own = surface is not None and surface.scene.slopes.name == OF_SURFACE
     if len(handed) == 2:
         a, b = (in_words(run.scene) for run in handed.values())
-        for key in (key for key in a if a[key] != b.get(key)):
+        for key in (k for k in a if a[k] != b.get(k) and not (own and k.startswith("slopes"))):
             raise click.ClickException(
                 f"the reports are of different scenes: {key} is {a[key]} in {names[0]} "
                 f"and {b.get(key)} in {names[1]}."
             )
     for name, run in zip(names, handed.values(), strict=True):
-        if run.heights != "gaussian":
+        if run.heights != (wanted := surface.heights if surface else "gaussian"):
+            again = "make it again without --heights"
             raise click.ClickException(
-                f"the heights of {name} are {run.heights}, those of a surface gaussian; "
-                "make it again without --heights."
+                f"the heights of {name} are {run.heights}, those of a surface {wanted}; "
+                f"{again if wanted == 'gaussian' else 'leave it out, and a walk is made'}."
             )
-        if run.scene.slopes.name != "beckmann":
+        if run.scene.slopes.name != "beckmann" and not own:
             raise click.ClickException(
                 f"the slopes of {name} are {run.scene.slopes.name}, those of a surface beckmann."
             )
@@ -229,8 +256,11 @@ def modelled(
     return [lobes], pictures
 
 
-def write(report: Any, draft: Path, run: Any, models: list[Any]) -> tuple[list[Any], Pictures]:
-    """Compare, and write the report into `draft`; the rows of agreement.csv, and what draws."""
+def write(
+    report: Any, draft: Path, run: Any, models: list[Any], walk_on: Any
+) -> tuple[list[Any], Pictures]:
+    """Compare, and write the report into `draft`; the rows of agreement.csv, and what draws. The
+    scene `walk_on` is that of the models."""
     from msbsdf_cli.cli.runs import summary
     from msbsdf_cli.experiments.compare import Row, agreement
     from msbsdf_cli.plots.free_path import draw_free_paths
@@ -251,6 +281,8 @@ def write(report: Any, draft: Path, run: Any, models: list[Any]) -> tuple[list[A
     if report.options["method"] is not None:
         write_methods(draft, models, report.options)
         pictures.append(partial(draw_methods, simulated, models, draft))
+    if run.scene.slopes.name == OF_SURFACE:
+        sentences.append(whose_slopes(run.scene, walk_on))
     table = columns(rows, (f.name for f in fields(Row)))
     figures = run.paths, run.bounces_mean, run.wall_s
     more = {"energies": summary(run), **run.notes, "summary": "\n".join(sentences)}
@@ -280,6 +312,18 @@ def write_methods(draft: Path, models: list[Any], options: dict[str, Any]) -> No
         write_csv(place / "lobe.csv", lobe(model))
         what = {"command": "evaluate", "options": options | {"method": [model.label]}}
         write_json(place / RUN, what)
+
+
+def whose_slopes(surface: Any, model: Any) -> str:
+    """Of whose slopes the model is, where the surface has its own."""
+    from msbsdf_cli.cli.compare_surface import named
+
+    if model.slopes == surface.slopes:
+        return "The model is of the slopes that were counted on the surface."
+    whose = named(model.slopes)
+    if model.slopes.name == OF_SURFACE:
+        whose = "those of another surface, or of another step, filter or unit"
+    return f"The slopes of the model are {whose}, and not those of the surface."
 
 
 def in_one_sentence(rows: list[Any]) -> str:

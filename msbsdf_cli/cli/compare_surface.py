@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from msbsdf_cli.cli import own_surface
+from msbsdf_cli.smith.slopes import OF_SURFACE
 
 if TYPE_CHECKING:
     from msbsdf_cli.cli.report import Report
@@ -17,7 +18,7 @@ def check_options(runs: tuple[str, ...], options: dict[str, Any]) -> None:
     """Refuse options that belong to other comparisons. Raises click.UsageError."""
     own_surface.check_options(options)
     if options["surface"] is None:
-        if options["slopes"] != "beckmann":
+        if options["slopes"] != "beckmann" and options["heights_of"] == "gaussian":
             raise click.UsageError(
                 f"--slopes {options['slopes']} without --surface: random surfaces are beckmann."
             )
@@ -52,13 +53,14 @@ def compare(options: dict[str, Any]) -> None:
     field = own_surface.read(options)
     own_surface.refuse_size(field, options["threads"])
     about = own_surface.described(field, options)
-    models, name = models_from(field, about, options)
+    models, name = models_from(field.patch.slopes, about, options)
     scene = common.scene_from(options, models[name][0])
     options |= {"slopes": name, "alpha": scene.alpha, "gamma": getattr(scene.slopes, "gamma", None)}
     warn(place, scene, options, [*field.notes, *about.warnings], len(models))
     names = ("seed", "threads", "max_order", "quiet")
     with place.draft() as draft:
-        work = scene, field, options["samples"], free_paths
+        own = replace(scene, slopes=models[OF_SURFACE][0])
+        work = own, field, options["samples"], free_paths
         run = simulate_surface(*work, *(options[n] for n in names))
         lobes, pictures = write_part(draft, run, options)
         own_surface.draw(draft, scene, field, options)
@@ -76,7 +78,7 @@ def compare(options: dict[str, Any]) -> None:
     place.end(show)
 
 
-def models_from(field: Any, about: Any, options: dict[str, Any]) -> tuple[Any, str]:
+def models_from(slopes: Any, about: Any, options: dict[str, Any]) -> tuple[Any, str]:
     """Slopes of the surface and distributions fitted to them; the name of the one to be judged,
     which is the one wanted, or the best. Raises click.BadParameter where nothing can be fitted."""
     from msbsdf_cli.experiments.fitted_walks import best_fit, models_of
@@ -87,7 +89,7 @@ def models_from(field: Any, about: Any, options: dict[str, Any]) -> tuple[Any, s
         tail = 1 / (options["gamma"] - 1)
         kinds = tuple(replace(k, tail=tail) if k.name == "student_t" else k for k in kinds)
     try:
-        models = models_of(field.patch.slopes, kinds)
+        models = models_of(slopes, kinds)
     except ValueError as error:
         raise click.BadParameter(f"{options['surface']}: {error}", param_hint="--surface") from None
     return models, options["slopes"] if _given("slopes") else best_fit(about)
@@ -152,7 +154,12 @@ def share(row: "Row") -> str:
     return f"{value:.{digits}f} +- {error:.{digits}f} % (theta {row.theta_i_rad:.3g})"
 
 
-TITLES = {"beckmann": "Beckmann", "ggx": "GGX", "student-t": "Student-T"}
+TITLES = {
+    "beckmann": "Beckmann",
+    "ggx": "GGX",
+    "student-t": "Student-T",
+    OF_SURFACE: "the slopes of a surface, of roughness",
+}
 
 
 def named(slopes: Any) -> str:

@@ -2,6 +2,7 @@
 
 import math
 import os
+import string
 from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any
@@ -170,7 +171,34 @@ class Autocorrelation(Typed):
         return spectrum(text).name
 
 
+class Autocorrelations(Typed):
+    """One of them, or several, separated by commas, none of them twice."""
+
+    name = "NAME[:X],..."
+
+    def read(self, text: str) -> str | tuple[str, ...]:
+        names = tuple(map(Autocorrelation().read, map(str.strip, text.split(","))))
+        if len(set(names)) < len(names):
+            raise ValueError(f"{quoted(text)} names an autocorrelation twice.")
+        return names if len(names) > 1 else names[0]
+
+
+class HeightsOf(Typed):
+    """The name of a distribution of heights, and its skewness."""
+
+    name = "NAME[:S]"
+
+    def read(self, text: str) -> str:
+        if text == "gaussian":
+            return text
+        # Not above: it takes NumPy and SciPy.
+        from surfaces.marginal import marginal
+
+        return marginal(text).name
+
+
 UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
+LETTERS = "µμ" + string.ascii_letters
 
 
 class Lengths(Typed):
@@ -184,8 +212,15 @@ class Lengths(Typed):
     def read(self, text: str) -> tuple[float, ...]:
         lengths = []
         for part in map(str.strip, text.split(",")):
-            unit = next((u for u in UNITS if part.endswith(u)), "")
-            lengths.append(_numbers(part.removesuffix(unit))[0] * UNITS.get(unit, 1.0))
+            number = part.rstrip(LETTERS)
+            # An exponent without digits, infinity and the like are numbers that are none.
+            unit = part[len(number) :] if number else ""
+            if unit and unit not in UNITS:
+                raise ValueError(
+                    f"{quoted(part)} is in no unit that is known: {', '.join(UNITS)}; a number "
+                    "alone is in metres."
+                )
+            lengths.append(_numbers(number or part)[0] * UNITS.get(unit, 1.0))
         if len(lengths) > self.most or not all(0 < x < math.inf for x in lengths):
             wanted = "a length above 0" if self.most == 1 else "one or two lengths above 0"
             raise ValueError(f"{quoted(text)} is not {wanted}, such as 2e-6 or 2um.")
@@ -327,12 +362,23 @@ _OPTIONS: dict[str, Any] = {
         metavar="N",
         help="Mesh cells in 2 / alpha, the correlation length if that is gaussian; even.",
     ),
-    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period in such lengths."),
+    "extent": dict(type=Count(4, most=10_000), metavar="N", help="Period, in 2 / alpha as well."),
     "realisations": dict(type=Count(2, most=1_000_000), metavar="N", help="Independent surfaces."),
     "autocorrelation": dict(
         type=Autocorrelation(),
         default="gaussian",
         help="Of the heights: gaussian, exponential, matern:NU or power-law:HURST.",
+    ),
+    "autocorrelations": dict(
+        type=Autocorrelations(),
+        default="gaussian",
+        help="Of the heights: gaussian, exponential, matern:NU or power-law:HURST; of several, the "
+        "one model is held against surfaces of each.",
+    ),
+    "heights-of": dict(
+        type=HeightsOf(),
+        default="gaussian",
+        help="Distribution of the heights: gaussian, or of skewness S (1): ridges:S, pits:S.",
     ),
     "waves": dict(
         type=Count(most=1_000_000),
@@ -411,6 +457,7 @@ _OPTIONS: dict[str, Any] = {
 VARIANTS = {
     "surface-slopes": "slopes",
     "slopes-or-surface": "slopes",
+    "autocorrelations": "autocorrelation",
     "eta-k-channels": "eta-k",
     "albedo-channels": "albedo",
     "theta-furnace": "theta",

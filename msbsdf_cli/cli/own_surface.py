@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from msbsdf_cli.cli.options import OF_FILE
+from msbsdf_cli.cli.options import MOST_ROUGHNESS, OF_FILE, UNITS
 from msbsdf_cli.smith.slopes import OF_SURFACE
 
 if TYPE_CHECKING:
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 OF_RANDOM = (
     "alpha",
     "autocorrelation",
+    "heights-of",
     "accuracy",
     "cells",
     "extent",
@@ -50,16 +51,22 @@ def report(command: str, options: dict[str, Any]) -> "Report":
 def scene_of_slopes(options: dict[str, Any], warn: "Report") -> Any:
     """The scene of the slopes of the surface, without heights. Raises click.BadParameter."""
     from msbsdf_cli.cli import common
-    from msbsdf_cli.smith.slopes.surface import Surface
 
     field = read(options)
     warn.warn(list(field.notes))
+    slopes = own_slopes(field, options)
+    options["alpha"] = slopes.alpha
+    return common.scene_from(options, slopes)
+
+
+def own_slopes(field: Any, options: dict[str, Any]) -> Any:
+    """The slopes of the surface, counted. Raises click.BadParameter where they have no spread."""
+    from msbsdf_cli.smith.slopes.surface import Surface
+
     try:
-        slopes = Surface.of(field.patch.slopes)
+        return Surface.of(field.patch.slopes)
     except ValueError as error:
         raise click.BadParameter(f"{options['surface']}: {error}", param_hint="--surface") from None
-    options["alpha"] = slopes.alpha_x, slopes.alpha_y
-    return common.scene_from(options, slopes)
 
 
 def simulate(options: dict[str, Any]) -> None:
@@ -78,7 +85,8 @@ def simulate(options: dict[str, Any]) -> None:
     refuse_size(field, options["threads"])
     about = described(field, options)
     options["alpha"] = tuple(about[f"alpha_{axis}"].value for axis in "xy")
-    scene = common.scene_from(options)
+    options["slopes"] = OF_SURFACE
+    scene = common.scene_from(options, own_slopes(field, options))
     place.warn([*common.scene_warnings(options), *field.notes, *about.warnings])
     names = ("seed", "threads", "max_order", "quiet")
     with place.draft() as draft:
@@ -139,7 +147,15 @@ def described(field: Any, options: dict[str, Any]) -> Any:
     wavelength = options["wavelength"] and options["wavelength"][0]
     about = field.describe(unit(options), wavelength)
     for axis in "xy":
-        if not about[f"alpha_{axis}"].value > 0:
+        alpha = about[f"alpha_{axis}"].value
+        if alpha > MOST_ROUGHNESS:
+            raise click.BadParameter(
+                f"{options['surface']} has the roughness {alpha:.2g} along {axis}, beyond every "
+                "surface: its heights and its steps are in different units, which --step and "
+                "--height-unit tell.",
+                param_hint="--surface",
+            )
+        if not alpha > 0:
             raise click.BadParameter(
                 f"{options['surface']} has no slopes along {axis}: facets that all lean one way "
                 "are no rough surface.",
@@ -173,16 +189,23 @@ SHOWN = ("sq", "correlation_length", "alpha_x", "alpha_y", "direction_rad", "stu
 
 
 def show_roughness(about: Any, field: Any) -> None:
-    """Print what a reader would want to know first."""
+    """Print what a reader would want to know first, and of what."""
+    show_quantities(about)
+    size = " x ".join(map(str, field.heights.shape))
+    ends = "which go on at their sides" if field.periodic else "which their mirror images continue"
+    click.echo(f"{size} points, {ends}; errors come from how pieces of the surface differ.")
+
+
+def show_quantities(about: Any) -> None:
+    """Print roughness and what fits to it."""
     from msbsdf_cli.cli.terminal import measured, show_table
 
     lines = []
     for row in about.rows:
         if row.quantity in SHOWN or "misfit" in row.quantity:
-            scale, name = (1e6, "um") if row.unit == "m" else (1, row.unit)
-            value = measured(scale * row.value, scale * row.stderr)
-            lines.append((row.quantity, value, name))
-    show_table(("quantity", "value", "unit"), lines)
-    size = " x ".join(map(str, field.heights.shape))
-    ends = "which go on at their sides" if field.periodic else "which their mirror images continue"
-    click.echo(f"{size} points, {ends}; errors come from how pieces of the surface differ.")
+            name, note = row.unit, row.note if row.quantity == "student_t_gamma" else ""
+            if name == "m":
+                name = next((u for u, size in reversed(UNITS.items()) if row.value >= size), "nm")
+            size = UNITS.get(name, 1.0)
+            lines.append((row.quantity, measured(row.value / size, row.stderr / size), name, note))
+    show_table(("quantity", "value", "unit", "note"), lines)

@@ -44,10 +44,11 @@ def write_run(
 
 
 def write_part(
-    draft: Path, run: Run, options: dict[str, Any]
+    draft: Path, run: Run, options: dict[str, Any], name: str | None = None
 ) -> tuple[Lobes, list[Callable[[], None]]]:
-    """The report of a run within another one; the light that left, and what draws it."""
-    place = draft / run.kind
+    """The report of a run within another one, in a directory of that `name`, by default the kind of
+    the run; the light that left, and what draws it."""
+    place = draft / (name or run.kind)
     place.mkdir()
     return write_run(Part(run.kind, options), place, run)
 

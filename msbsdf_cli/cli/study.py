@@ -104,6 +104,8 @@ def _check(command: str, options: dict[str, Any], axes: dict[str, Axis]) -> None
     """Raise click.UsageError for what is not for sweeps."""
     if "slopes" in axes and "surface" in axes["slopes"].values:
         raise click.UsageError("--slopes surface is of one surface: it is not for sweeps.")
+    if command == "compare" and "heights_of" in axes:
+        raise click.UsageError("--heights-of beside compare: sweep `simulate` for it.")
     if command == "compare" and options.pop("method") is not None:
         raise click.UsageError("--method beside compare: sweep `evaluate` or `furnace` for it.")
 

@@ -13,10 +13,12 @@ def show_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 
 
 def measured(value: float, stderr: float) -> str:
-    """A value with the digits that its standard error leaves standing: `0.4692(7)`; six where
-    these would be more than anybody reads."""
-    if not 5e-8 < stderr < 1:
+    """A value with the digits that its standard error leaves standing: `0.4692(7)`, `1002(34)`; six
+    where these would be more than anybody reads, or nothing is known of the error."""
+    if not stderr > 5e-8:
         return f"{value:.6g}"
+    if stderr == float("inf"):
+        return f"{value:.6g}(inf)"
     digits = 0
     while round(stderr * 10**digits) < 1:
         digits += 1

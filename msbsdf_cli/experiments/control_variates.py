@@ -8,13 +8,16 @@ over the slope distribution: those of a Gaussian field, so that what a finite nu
 to the slopes of all surfaces alike is taken off as well.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.visible_slopes import visible_slopes
 from surfaces.facet import Array
+from surfaces.marginal import GAUSSIAN_HEIGHTS, Marginal
 from surfaces.surface import Surface
-from surfaces.views import VIEWS, Views
+from surfaces.views import Views
 
 NUMBER = 3
 
@@ -30,14 +33,20 @@ def controls(surface: Surface, views: Views, wi: Array) -> Array:
     # half a turn, and upside down.
     area = np.maximum(wi[2] + (wi[:2] @ views.slopes) @ slopes, 0)
     quarter = views.slopes[:2] @ slopes
-    squares = np.tile(1 + (quarter * quarter).sum(axis=1), (VIEWS // 2, 1))
+    squares = np.tile(1 + (quarter * quarter).sum(axis=1), (len(area) // 2, 1))
     return np.array([part.mean() for part in _parts(area, 2 * area / squares - wi[2])])
 
 
-def expected(slopes: Slopes, wi: Array) -> Array:
-    """Their expected values (3,)."""
-    m, area = (a[..., 0] for a in visible_slopes(slopes, -wi[:, None], split=True))
-    return np.array([part.sum() for part in _parts(area, 2 * (wi @ m) * m[2] - wi[2])])
+def expected(slopes: Slopes, wi: Array, marginal: Marginal = GAUSSIAN_HEIGHTS) -> Array:
+    """Their expected values (3,), on heights of any marginal: where these have one value, slopes
+    are Beckmann's, of a roughness in proportion to `slopes`."""
+    total = np.zeros(NUMBER)
+    for scale, share in marginal.roughness():
+        alpha_x, alpha_y = (scale * a for a in slopes.alpha)
+        rougher = replace(slopes, alpha_x=alpha_x, alpha_y=alpha_y)
+        m, area = (a[..., 0] for a in visible_slopes(rougher, -wi[:, None], split=True))
+        total += [share * p.sum() for p in _parts(area, 2 * (wi @ m) * m[2] - wi[2])]
+    return total
 
 
 def _parts(area: Array, cos_o: Array) -> tuple[Array, Array, Array]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msbsdf_cli.experiments.realisations import Resolution, make_surface
+from msbsdf_cli.experiments.random_surfaces import Resolution, make_surface
 from msbsdf_cli.results.files import Table, from_rows
 from msbsdf_cli.results.lobes import order_names
 from msbsdf_cli.run.executors import Workers, map_ordered
@@ -67,6 +67,7 @@ def convergence(
     quiet: bool,
     steps: Steps | None = None,
     autocorrelation: str = "gaussian",
+    heights_of: str = "gaussian",
 ) -> Table:
     """convergence.csv: energies, and their differences from the last value of each parameter.
 
@@ -76,7 +77,7 @@ def convergence(
     steps = steps or STEPS
     surfaces = steps.surfaces
     rays = max(samples // surfaces, 1)
-    base = Resolution(CELLS_ELSE, EXTENT, 0, None, autocorrelation)
+    base = Resolution(CELLS_ELSE, EXTENT, 0, None, autocorrelation, heights_of)
     paired = {"cells": steps.cells, "lift": LIFTS[::-1]} | ({"hits": HITS} if steps.hits else {})
     trials = [
         Trial(scene, parameter, values, i, base, rays, seed)

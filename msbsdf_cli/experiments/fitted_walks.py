@@ -130,8 +130,8 @@ def walks_on(
 
 
 BATCHES = 4
-"""Of walks on the slopes of the whole surface, whose tables each batch makes anew: to hand these
-from process to process would take longer."""
+"""Of walks on the slopes of the whole surface, whose tables each process makes anew: more processes
+than that would make them for little."""
 
 
 def _run(batch: list[WalkJob]) -> dict[int, Tally]:

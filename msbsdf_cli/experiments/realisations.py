@@ -6,6 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msbsdf_cli.experiments.control_variates import NUMBER, controls, expected
+from msbsdf_cli.experiments.random_surfaces import (
+    Resolution,
+    counted,
+    facet_slopes,
+    realisation,
+)
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
 from msbsdf_cli.run.executors import Workers, map_ordered
@@ -17,11 +23,11 @@ from msbsdf_cli.statistics.surface_tally import SurfaceLight, SurfaceTally
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 from surfaces.free_path import FreePathTracer
-from surfaces.heightfield import all_waves, some_waves, synthesise
-from surfaces.spectrum import spectrum
+from surfaces.marginal import marginal
 from surfaces.streams import stream
 from surfaces.surface import Surface
 from surfaces.tracing import Tracer
+from surfaces.views import UPRIGHT, VIEWS
 
 FREE_PATHS_OF_RAYS = 1 / 16
 """Free paths of a row for each ray of an incident angle."""
@@ -33,27 +39,6 @@ is left between two meshes of one field."""
 
 MOST_GROUPS = 16
 """Of surfaces: their scatter is known to a fifth then."""
-
-
-@dataclass(frozen=True)
-class Resolution:
-    """How finely and how often the surface is made."""
-
-    cells: int
-    """Mesh cells a unit of length, in which slopes have variance 2: for the Gaussian spectrum the
-    correlation length."""
-    extent: int
-    """Period, in that unit."""
-    realisations: int
-    waves: int | None = None
-    """Cosines summed; None: every wave of the period's lattice."""
-    autocorrelation: str = "gaussian"
-    """Of the heights, as `surfaces.spectrum.spectrum` has it."""
-
-    @property
-    def lengths(self) -> float:
-        """The period in correlation lengths."""
-        return self.extent / spectrum(self.autocorrelation).correlation_length
 
 
 @dataclass(frozen=True)
@@ -98,23 +83,6 @@ class SurfaceResult:
     free_paths_lost: int
 
 
-def realisation(resolution: Resolution, number: int, seed: int) -> Surface:
-    """Realisation `number` of the surface; the same field for any number of cells."""
-    field = number, resolution.extent, resolution.waves or 0
-    return make_surface(resolution, stream(seed, "heightfield", *field))
-
-
-def make_surface(resolution: Resolution, rng: np.random.Generator) -> Surface:
-    """A random surface; from generators in the same state the same field for any cells."""
-    kind = spectrum(resolution.autocorrelation)
-    if resolution.waves is None:
-        amplitudes = all_waves(resolution.extent, rng, kind)
-    else:
-        amplitudes = some_waves(resolution.extent, resolution.waves, rng, kind)
-    heights = synthesise(amplitudes, resolution.extent, resolution.cells)
-    return Surface(heights, resolution.cells, spectrum=kind)
-
-
 def simulate(
     scene: Scene,
     samples: int,
@@ -128,11 +96,14 @@ def simulate(
     """`samples` rays for each incident angle, spread over the realisations, and free paths of the
     directions and heights of `wanted`.
 
-    The numbers depend on `seed` and not on `workers`.
+    The numbers depend on `seed` and not on `workers`. The surface has the roughness of
+    `scene.slopes`, which are Beckmann's. Where heights are not Gaussian its slopes are not: the
+    scene of the run has them as they were counted on the facets.
     """
     started, free_paths = time.monotonic(), wanted.empty()
     rays = -(-samples // resolution.realisations)
-    known = tuple(expected(scene.slopes, scene.wi(theta)) for theta in scene.theta)
+    heights_are = marginal(resolution.heights_of)
+    known = tuple(expected(scene.slopes, scene.wi(t), heights_are) for t in scene.theta)
     jobs = (
         SurfaceJob(
             scene,
@@ -163,7 +134,9 @@ def simulate(
                 notes[name] += getattr(result, name)
             progress.advance(rays * len(scene.theta))
     wall_s = time.monotonic() - started
-    what = list[Tally](tallies), free_paths, "gaussian", groups.lobes()
+    if resolution.skewed:
+        scene = replace(scene, slopes=counted(facet_slopes(scene, resolution, seed), scene.alpha))
+    what = list[Tally](tallies), free_paths, resolution.heights_of, groups.lobes()
     return Run("simulate", scene, *what, wall_s, notes, groups.units)
 
 
@@ -218,7 +191,7 @@ def trace_surface(job: SurfaceJob, fields: Meshes | None = None) -> SurfaceResul
     fields = fields or Meshes(job.resolution, job.number, job.seed)
     surface = fields.surface(job.resolution.cells)
     ready = time.perf_counter()
-    tracer = _tracer(scene, surface)
+    tracer = _tracer(job, surface)
     shared = _shared_rays(job)
     units = _units(job, tracer, (shared, job.rays - shared))
     traced = time.perf_counter()
@@ -236,9 +209,11 @@ def trace_surface(job: SurfaceJob, fields: Meshes | None = None) -> SurfaceResul
     return SurfaceResult(light, shares, weights, n, rays, embree_s, *seconds, lost)
 
 
-def _tracer(scene: Scene, surface: Surface) -> Tracer:
-    stretch = surface.stretch(*scene.alpha, scene.phi)
-    return Tracer(surface, stretch, scene.material, all_views=True)
+def _tracer(job: SurfaceJob, surface: Surface) -> Tracer:
+    stretch = surface.stretch(*job.scene.alpha, job.scene.phi)
+    # Skewed heights are others upside down.
+    views = UPRIGHT if job.resolution.skewed else VIEWS
+    return Tracer(surface, stretch, job.scene.material, views)
 
 
 def _shared_rays(job: SurfaceJob) -> int:
@@ -269,8 +244,7 @@ def _add_coarser(
     fewer = meshes(cells, job.resolution.extent)
     coarser = []
     for some in fewer:
-        tracer = _tracer(job.scene, fields.surface(some))
-        coarser.append(_units(job, tracer, (_shared_rays(job),)))
+        coarser.append(_units(job, _tracer(job, fields.surface(some)), (_shared_rays(job),)))
     for mine, unit, (middle,), (coarse,) in zip(light, fine, *coarser, strict=True):
         mine.more, mine.doubt = extrapolated((cells, *fewer), unit, middle, coarse)
 

@@ -9,10 +9,11 @@ answer.
 
 import math
 
-from msbsdf_cli.experiments.realisations import Resolution
+from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.discretisation import moved_by_period
+from surfaces.marginal import GAUSSIAN_HEIGHTS, Marginal, marginal
 from surfaces.materials import Conductor, Material
 from surfaces.spectrum import GAUSSIAN, Spectrum, spectrum
 from surfaces.streams import stream
@@ -50,21 +51,24 @@ def plan(
     realisations: int | None,
     waves: int | None,
     autocorrelation: str = "gaussian",
+    heights_of: str = "gaussian",
 ) -> Resolution:
     """The resolution that keeps each bias below half of `accuracy` and the standard error of the
     energy of an order near `accuracy`; what is given is taken as it is.
 
     Rules that were measured on Gaussian autocorrelations hold for others in what they come from:
-    facets that lack as much of the slopes' variance, and as many correlation lengths.
+    facets that lack as much of the slopes' variance, and as many correlation lengths. No order's
+    energy is further than .001 from that on 60 cells on the 16 to 36 that come out for exponential,
+    matern:1.5 and power-law:0.8 (mirror, alpha 0.5 and 1, theta 0, 1, 1.5, noise .0005).
     """
-    kind = spectrum(autocorrelation)
-    length = kind.correlation_length
+    kind, heights_are = spectrum(autocorrelation), marginal(heights_of)
+    length = heights_are.correlation_length(kind)
     share = max(multiple_share(scene, m) for m in {Conductor(), scene.material})
     any_multiple = min(1.0, 40 * share)
     if cells is None:
         per_cell2 = 0.25 * share + 0.03 * any_multiple
-        like = max(LEAST_CELLS, 2 * math.ceil(math.sqrt(2 * per_cell2 / accuracy) / 2))
-        cells = as_fine(kind, like)
+        like = 2 * math.ceil(max(2, math.sqrt(2 * per_cell2 / accuracy) / 2))
+        cells = max(LEAST_CELLS, as_fine(kind, like, heights_are))
     if extent is None:
         extent = 2 * math.ceil(LEAST_EXTENT * length / 2)
         while 2 * moved_by_period(extent / length) * any_multiple > accuracy:
@@ -74,14 +78,20 @@ def plan(
         spread = 0.3 if scene.material.transmits else 0.17
         deviation = spread * math.sqrt(share) * length / extent
         realisations = max(LEAST_REALISATIONS, math.ceil((deviation / accuracy) ** 2))
-    return Resolution(cells, extent, realisations, waves, autocorrelation)
+    return Resolution(cells, extent, realisations, waves, autocorrelation, heights_of)
 
 
-def as_fine(kind: Spectrum, cells: int) -> int:
+def as_fine(kind: Spectrum, cells: int, heights_are: Marginal = GAUSSIAN_HEIGHTS) -> int:
     """Cells, an even number, whose facets lack no more of the slopes' variance than those of so
-    many cells do with a Gaussian autocorrelation."""
+    many cells do with a Gaussian autocorrelation of Gaussian heights."""
+
+    def has(number: int) -> float:
+        apart = kind.chord_variance(number) / number**2
+        variance = float(heights_are.half_structure(1.0, apart)) * number**2
+        return variance / heights_are.slope_variance
+
     enough = cells
-    while kind.chord_variance(enough) < GAUSSIAN.chord_variance(cells) - ROUNDING:
+    while has(enough) < GAUSSIAN.chord_variance(cells) - ROUNDING:
         enough += 2
     return enough
 

@@ -11,7 +11,7 @@ from msbsdf_cli.results.run import Run
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
 from msbsdf_cli.scene import Scene, direction
-from msbsdf_cli.smith.heights import HEIGHTS, Heights
+from msbsdf_cli.smith.heights import Heights, height_distribution
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import exponential, free_path
 from msbsdf_cli.statistics.tally import Tally
@@ -51,7 +51,7 @@ def walk(
             progress.advance(tally.rays)
     wall_s = time.monotonic() - started
     rng = stream(seed, "walk free paths")
-    walk_free_paths(scene.slopes, scene.phi, HEIGHTS[heights], free_paths, samples, rng)
+    walk_free_paths(scene.slopes, scene.phi, height_distribution(heights), free_paths, samples, rng)
     return Run("walk", scene, tallies, free_paths, heights, wall_s=wall_s)
 
 

@@ -26,15 +26,17 @@ def draw_surface(
     figure, (left, right) = plt.subplots(
         1, 2, figsize=(8, 3.6), width_ratios=[1.25, 1], layout="constrained"
     )
-    brightness = _view(surface, stretch, alpha)
+    brightness = lit_view(surface, stretch, alpha)
     left.imshow(brightness, cmap="gray", vmin=0, vmax=1, interpolation="bilinear")
     left.set_title(f"alpha = {alpha[0]:.3g}, {alpha[1]:.3g}: from 35° above the horizon")
     left.axis("off")
     width, (rows, columns) = _width(alpha), brightness.shape
     _scale_bar(left, columns * _round(width / 4) / width, _round(width / 4), rows)
-    lamp = {"arrowstyle": "->", "color": "#e69f00", "lw": 1.5}
+    lamp = {"arrowstyle": "->", "color": "#d55e00", "lw": 1.5}
     left.annotate("", (0.84, 0.86), (0.98, 0.98), "axes fraction", arrowprops=lamp)
-    left.text(0.83, 0.93, "light", transform=left.transAxes, ha="right", fontsize=7, color="w")
+    left.text(
+        0.83, 0.93, "light", transform=left.transAxes, ha="right", fontsize=7, color="#d55e00"
+    )
     picture = right.imshow(
         _heights(surface, stretch, width),
         origin="lower",
@@ -58,9 +60,9 @@ def _round(length: float) -> float:
 
 
 def _scale_bar(axis: Any, pixels: float, length: float, rows: int) -> None:
-    axis.plot([8, 8 + pixels], [rows - 10] * 2, color="w", lw=2.5, solid_capstyle="butt")
+    axis.plot([8, 8 + pixels], [rows - 10] * 2, color="#d55e00", lw=2.5, solid_capstyle="butt")
     words = f"{length:g} standard deviations of height"
-    axis.text(8, rows - 15, words, color="w", fontsize=7, va="bottom")
+    axis.text(8, rows - 15, words, color="#d55e00", fontsize=7, va="bottom")
 
 
 def _heights(surface: Surface, stretch: Stretch, width: float) -> Array:
@@ -72,7 +74,7 @@ def _heights(surface: Surface, stretch: Stretch, width: float) -> Array:
     return heights
 
 
-def _view(surface: Surface, stretch: Stretch, alpha: tuple[float, float]) -> Array:
+def lit_view(surface: Surface, stretch: Stretch, alpha: tuple[float, float]) -> Array:
     """Brightness (PIXELS, PIXELS) of a diffuse surface under a low lamp, seen by parallel rays."""
     elevation = np.radians(35)
     view = np.array([0.0, np.cos(elevation), -np.sin(elevation)])

@@ -1,6 +1,6 @@
 """What a run of either producer came to: sums that merge, save and load, and figures of the run."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ from msbsdf_cli.results import npz
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.lobes import Lobes, lobes_of
 from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.slopes import OF_SURFACE, Beckmann
 from msbsdf_cli.statistics.surface_tally import SurfaceTally
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
@@ -52,14 +53,25 @@ class Run:
         light = self.tallies, self.lobe_groups, self.free_paths
         return lobes_of(self.kind, scene.theta, scene.phi, transmits, *light)
 
+    @property
+    def same_scene(self) -> Scene:
+        """What a run by another seed has in common with it: where slopes were counted on random
+        surfaces, their roughness, and not what the facets of these very surfaces came to."""
+        random = self.kind == "simulate" and self.group_units is not None
+        if not random or self.scene.slopes.name != OF_SURFACE:
+            return self.scene
+        return replace(self.scene, slopes=Beckmann(*self.scene.alpha))
+
     def merge(self, other: "Run") -> None:
         """Take in the light of another run of the same scene, by another seed.
 
         Raises ValueError where that would not be one long run.
         """
-        for name in ("kind", "scene", "heights"):
-            a, b = getattr(self, name), getattr(other, name)
-            if a != b:
+        of_both = [
+            {"kind": r.kind, "scene": r.same_scene, "heights": r.heights} for r in (self, other)
+        ]
+        for name, a in of_both[0].items():
+            if a != (b := of_both[1][name]):
                 raise ValueError(f"the runs differ in {name}: {a} and {b}.")
         for run in (self, other):
             if run.kind == "simulate" and run.group_units is None:

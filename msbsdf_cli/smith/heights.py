@@ -7,6 +7,7 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from surfaces.facet import Array
+from surfaces.marginal import Marginal, marginal
 
 
 class Heights(Protocol):
@@ -47,4 +48,25 @@ class Gaussian:
         return -log_ndtr(h)
 
 
+@dataclass(frozen=True)
+class Skewed:
+    """Of the surfaces that `surfaces.marginal` makes of a Gaussian field."""
+
+    marginal: Marginal
+    edges = Gaussian.edges
+
+    @property
+    def starts(self) -> tuple[float, ...]:
+        finite = self.marginal.heights(np.array(Gaussian.starts[:-1]))
+        return *finite.tolist(), np.inf
+
+    def t(self, h: Array | float) -> Array:
+        return -log_ndtr(self.marginal.gaussian(h))
+
+
 HEIGHTS: dict[str, Heights] = {"uniform": Uniform(), "gaussian": Gaussian()}
+
+
+def height_distribution(name: str) -> Heights:
+    """One of `HEIGHTS`, or those of ridges or pits. Raises ValueError for a name that is none."""
+    return HEIGHTS[name] if name in HEIGHTS else Skewed(marginal(name))

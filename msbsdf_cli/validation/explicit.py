@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from msbsdf_cli.experiments.realisations import Resolution, make_surface
+from msbsdf_cli.experiments.random_surfaces import Resolution, make_surface
 from msbsdf_cli.smith.slopes import Beckmann
 from msbsdf_cli.statistics.multiple_testing import AGREEMENT, Finding
 from msbsdf_cli.validation import reference

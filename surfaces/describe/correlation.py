@@ -3,7 +3,7 @@
 import numpy as np
 
 from surfaces.describe.quantities import Quantity
-from surfaces.describe.spread import stderr
+from surfaces.describe.spread import block_means, covariance, stderr
 from surfaces.facet import Array
 from surfaces.patch import Patch
 
@@ -14,26 +14,48 @@ ROWS = 256
 """Transformed together."""
 
 
+TERMS = 3
+"""Of the plane that levelling takes out, each with the power of one of the longest waves."""
+
+
 def correlation_lengths(patch: Patch, unit: str) -> list[Quantity]:
     """Where the autocorrelation along x and y has fallen to 1/e, and their geometric mean."""
-    rows = [_length(patch, axis) for axis in (0, 1)]
-    found = [
-        Quantity(f"correlation_length_{name}", *row, unit, "autocorrelation 1/e")
-        for name, row in zip("xy", rows, strict=True)
-    ]
-    mean = float(np.sqrt(rows[0][0] * rows[1][0]))
-    # Both come from the same bumps: their errors are taken to be common.
-    relative = sum(error / value for value, error in rows) / 2
-    note = "autocorrelation 1/e; geometric mean of x and y"
-    return [Quantity("correlation_length", mean, mean * relative, unit, note), *found]
+    along = [_length(patch, axis) for axis in (0, 1)]
+    note = "autocorrelation 1/e"
+    names = [f"correlation_length{end}" for end in ("", "_x", "_y")]
+    notes = [f"{note}; geometric mean of x and y", note, note]
+    lengths = np.array([length for length, _, _ in along])
+    lengths = np.array([np.sqrt(lengths.prod()), *lengths])
+    errors = _errors(lengths, along)
+    rows = zip(names, lengths.tolist(), errors.tolist(), notes, strict=True)
+    return [Quantity(name, length, error, unit, text) for name, length, error, text in rows]
 
 
-def _length(patch: Patch, axis: int) -> tuple[float, float]:
+def _errors(lengths: Array, along: list[tuple[float, Array, float]]) -> Array:
+    """Standard errors of the mean length, of that along x and of that along y.
+
+    A length found too short has too short an error, since it goes as the length squared: so does
+    the correlation area, by which a patch counts. A deviation of r, relative to the length, over
+    such an error has the mean square 1 + 36 r^2, to second order, which the error is made up for.
+    What levelling takes out of the longest waves is no noise, and is added.
+    """
+    shape = np.min([moves.shape for _, moves, _ in along], axis=0)
+    blocks = [block_means(moves[: shape[0], : shape[1]]) for _, moves, _ in along]
+    x, y = (b / length for b, length in zip(blocks, lengths[1:], strict=True))
+    square = np.diag(covariance(np.stack([(x + y) / 2, x, y])))
+    taken = np.array([taken / length for length, _, taken in along])
+    taken = np.array([taken.mean(), *taken])
+    return np.asarray(lengths * np.sqrt(square * (1 + 36 * square) + taken**2))
+
+
+def _length(patch: Patch, axis: int) -> tuple[float, Array, float]:
+    """The length along an axis, what moves it, as means over the patch (nx, ny) do, and by how much
+    levelling makes it shorter; not numbers, where heights correlate over more than half of it."""
     h = np.moveaxis(patch.heights - patch.heights.mean(), axis, 0)
     along = autocovariance(h, patch.periodic)
     below = np.flatnonzero(along < LEVEL * along[0])
     if below.size == 0:
-        return float("nan"), float("nan")
+        return float("nan"), np.full(patch.heights.shape, np.nan), float("nan")
     lag = int(below[0]) - 1
     fall = along[lag] - along[lag + 1]
     part = (along[lag] - LEVEL * along[0]) / fall
@@ -41,9 +63,11 @@ def _length(patch: Patch, axis: int) -> tuple[float, float]:
     kept = h[: near.shape[0]] if patch.periodic else h[: far.shape[0]]
     near = near[: kept.shape[0]]
     # What moves the place where the two sides of R(l) = R(0) / e are equal.
-    moves = kept * ((1 - part) * near + part * far - LEVEL * kept)
-    step = patch.step[axis]
-    return float((lag + part) * step), stderr(moves) / float(fall) * step
+    scale = patch.step[axis] / float(fall)
+    moves = scale * kept * ((1 - part) * near + part * far - LEVEL * kept)
+    terms = 1 if patch.periodic else TERMS
+    taken = terms * stderr(h) ** 2 * (1 - LEVEL) * scale
+    return float((lag + part) * patch.step[axis]), np.moveaxis(moves, 0, axis), float(taken)
 
 
 def _shifted(h: Array, lag: int, periodic: bool) -> Array:

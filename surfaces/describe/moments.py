@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from surfaces.describe.gaussian import errors_of_gaussian, helped
 from surfaces.describe.quantities import Quantity, propagated
 from surfaces.describe.spread import block_means, covariance
 from surfaces.facet import Array
@@ -28,6 +29,7 @@ def height_parameters(patch: Patch, unit: str) -> list[Quantity]:
 
     _, error = propagated(parameters, blocks.mean(axis=(1, 2)), covariance(blocks))
     exact = parameters(np.array([np.abs(h).mean(), *((h**power).mean() for power in (1, 2, 3, 4))]))
+    error[2:] = helped(error[2:], exact[2:], errors_of_gaussian(h, patch.periodic))
     sizes, units = (scale, scale, 1, 1), (unit, unit, "", "")
     names = ("sa", "sq", "ssk", "sku")
     return [

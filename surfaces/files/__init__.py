@@ -105,8 +105,8 @@ def _checked(heights: Any) -> Any:
 def _unit(scan: Scan, height_unit: float | None) -> float:
     if height_unit is None and scan.unit is None:
         raise FileError(
-            "it has grey levels, and does not say how high one is: give the height "
-            "unit, in the unit of the step"
+            "it has grey levels, and does not say how high one is: give the height unit in that of "
+            "the step, on the command line --height-unit, such as 2nm, or a number of metres"
         )
     unit = (scan.unit or 1.0) if height_unit is None else height_unit
     if not 0 < unit < np.inf:
@@ -117,8 +117,8 @@ def _unit(scan: Scan, height_unit: float | None) -> float:
 def _step(scan: Scan, step: float | tuple[float, float] | None) -> tuple[float, float]:
     if step is None and scan.step is None:
         raise FileError(
-            "it does not say how far its points are apart: give the step (--step), along x and y, "
-            "as a length such as 2um, or a number in the unit of the heights"
+            "it does not say how far its points are apart: give the step along x and y in the unit "
+            "of the heights, on the command line --step, such as 2um, or a number of metres"
         )
     given = np.array(scan.step if step is None else step, float).ravel()
     if given.size not in (1, 2) or not all(0 < s < np.inf for s in given):

@@ -77,10 +77,14 @@ class Spectrum(ABC):
     @cached_property
     def correlation_length(self) -> float:
         """Distance at which the autocorrelation has fallen to 1/e."""
+        return self.distance(1 / np.e)
+
+    def distance(self, level: float) -> float:
+        """Distance at which the autocorrelation has fallen to `level`, between 0.2 and 1."""
         r = np.linspace(0, 40, 4001)
-        first = int(np.argmax(self.autocorrelation(r) < 1 / np.e))
+        first = int(np.argmax(self.autocorrelation(r) < level))
         ends = r[first - 1], r[first]
-        return float(brentq(lambda x: self.autocorrelation(np.array([x]))[0] - 1 / np.e, *ends))
+        return float(brentq(lambda x: self.autocorrelation(np.array([x]))[0] - level, *ends))
 
     def chord_variance(self, cells: float) -> float:
         """Variance of the slope over a cell, along an axis, over that at a point; less than 1."""

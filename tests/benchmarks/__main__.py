@@ -19,7 +19,8 @@ from time import perf_counter
 import numpy as np
 
 import msbsdf_cli as ms
-from msbsdf_cli.experiments.realisations import Resolution, simulate
+from msbsdf_cli.experiments.random_surfaces import Resolution
+from msbsdf_cli.experiments.realisations import simulate
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene

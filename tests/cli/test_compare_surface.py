@@ -117,7 +117,7 @@ def test_slopes_with_long_tails_are_not_beckmanns(field, tmp_path):
 
 
 def test_threads_do_not_change_the_numbers(words, tmp_path):
-    few = [*words[: words.index("--samples")], "--samples", "2e4", "--quiet", "--theta", "1"]
+    few = [*words[: words.index("--samples")], "--samples", "2e4", "--quiet"]
     for threads in (1, 2):
         more = ["--threads", threads, "--out", tmp_path / f"r{threads}"]
         assert msbsdf(*few, *FEW[2:], *more).returncode == 0
@@ -147,7 +147,7 @@ def test_the_gamma_that_is_given_is_judged(words, tmp_path):
         (["--gamma", "3"], "--gamma without --slopes student-t"),
         (["--slopes", "ggx", "--gamma", "3"], "--gamma without --slopes student-t"),
         (["a", "b"], "reports beside --surface"),
-        (["--step", "0"], "'0' is not one or two lengths above 0"),
+        (["--filter", "0"], "'0' is not a length above 0"),
         (["--slopes", "surface"], "'surface' is not one of"),
     ],
 )

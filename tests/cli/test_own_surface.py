@@ -58,10 +58,29 @@ def test_a_real_measurement_from_end_to_end(report):
     assert (out / "surface.png").stat().st_size > 10_000
 
 
-def test_the_report_is_compared_with_the_walk(report, tmp_path):
+def test_the_report_is_compared_with_any_walk(report, tmp_path):
+    """That it makes is on the surface's own slopes; what is handed over is called what it is."""
     out, _ = report
+    few, angles = ["--samples", "1e4", "--quiet"], ["--theta", "0.5,80deg", *FEW[2:]]
+    of_file = ["--surface", TERRAIN, "--step", "92.6,74.2"]
+    said = {
+        "own": (["--slopes", "surface", *of_file], "counted on the surface"),
+        "coarse": (["--slopes", "surface", *of_file, "--filter", "400"], "or of another step"),
+        "ggx": (["--slopes", "ggx", "--alpha", "0.2"], "are GGX 0.2, and not those of the surface"),
+    }
+    for name, (slopes, words) in said.items():
+        walk, place = tmp_path / name, tmp_path / f"{name}-compared"
+        assert msbsdf("walk", *slopes, *angles, *few, "--out", walk).returncode == 0
+        result = msbsdf("compare", walk, out, "--quiet", "--out", place)
+        assert result.returncode == 0, result.stderr
+        assert words in json.loads((place / "run.json").read_text())["summary"]
+    other = tmp_path / "other"
+    msbsdf("walk", "--theta", "0.6", *FEW[2:], *few, "--out", other)
+    assert "theta" in msbsdf("compare", other, out, "--out", tmp_path / "no").stderr
     result = msbsdf("compare", out, "--samples", "1e5", "--out", tmp_path / "c", "--quiet")
     assert result.returncode == 0, result.stderr
+    record = json.loads((tmp_path / "c" / "run.json").read_text())
+    assert "the slopes that were counted on the surface" in record["summary"]
     energy = [r for r in table(tmp_path / "c" / "agreement.csv") if r["quantity"] == "energy"]
     simulated = {(r["theta_i_rad"], r["order"]): r["energy"] for r in table(out / "energy.csv")}
     assert all(simulated[r["theta_i_rad"], r["order"]] == r["simulated"] for r in energy)
@@ -104,7 +123,11 @@ def test_the_input_is_never_overwritten_and_a_saved_mesh_is_read_again(tmp_path)
         (["--alpha", "0.5"], "--alpha beside --surface"),
         (["--cells", "8"], "--cells beside --surface"),
         (["--step", "0"], "'0' is not one or two lengths above 0"),
-        (["--step", "2ft"], "'2ft' is not a number"),
+        (["--step", "2ft"], "'2ft' is in no unit that is known: nm, um"),
+        (["--step", "1parsec"], "a number alone is in metres"),
+        (["--step", "um"], "'um' is not a number"),
+        (["--filter", "1e9"], "leaves nothing of its heights"),
+        (["--step", "1nm"], "in different units"),
         (["--step", "1,2,3"], "one or two lengths"),
         (["--height-unit", "1,2"], "a length above 0"),
         (["--detrend", "9"], "9"),
@@ -113,7 +136,9 @@ def test_the_input_is_never_overwritten_and_a_saved_mesh_is_read_again(tmp_path)
     ],
 )
 def test_bad_options_are_refused(words, said, tmp_path):
-    assert said in refused(*HILLS, *words, "--out", tmp_path / "r")
+    # An option that is given twice is refused for that.
+    step = [] if words[0] == "--step" else ["--step", "92.6,74.2"]
+    assert said in refused(*HILLS[:3], *step, *words, "--out", tmp_path / "r")
 
 
 def test_what_belongs_to_a_file_is_refused_without_one(tmp_path):

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from msbsdf_cli.experiments.control_variates import NUMBER, controls, expected
-from msbsdf_cli.experiments.realisations import Resolution, realisation, simulate
+from msbsdf_cli.experiments.random_surfaces import Resolution, realisation
+from msbsdf_cli.experiments.realisations import simulate
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.slopes import Beckmann

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.experiments.realisations import Resolution
+from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.resolution import multiple_share, plan, rays
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.slopes import Beckmann

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from msbsdf_cli.experiments.realisations import Resolution, simulate
+from msbsdf_cli.experiments.random_surfaces import Resolution
+from msbsdf_cli.experiments.realisations import simulate
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS

@@ -5,7 +5,7 @@ import pytest
 
 from msbsdf_cli.experiments import furnace, realisations, walks
 from msbsdf_cli.experiments.evaluate import evaluate
-from msbsdf_cli.experiments.realisations import Resolution
+from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.slices import slice_directions
 from msbsdf_cli.experiments.sweep.albedos import AlbedoCase
 from msbsdf_cli.experiments.sweep.plan import Axis, Cases

@@ -5,7 +5,7 @@ import pytest
 
 from msbsdf_cli.experiments.figures import figure_17
 from msbsdf_cli.experiments.figures.figure_17 import slab
-from msbsdf_cli.experiments.realisations import Resolution
+from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.tradeoff import reference as module
 from msbsdf_cli.experiments.tradeoff.directions import lobe_directions
 from msbsdf_cli.experiments.tradeoff.energies import ONE, THREE, energy_rows

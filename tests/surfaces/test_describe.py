@@ -5,7 +5,9 @@ import pytest
 
 import msbsdf_cli as ms
 from surfaces.describe import describe
+from surfaces.describe.correlation import correlation_lengths
 from surfaces.describe.fits import KINDS, fitted
+from surfaces.describe.gaussian import errors_of_gaussian, helped
 from surfaces.describe.moments import height_parameters, slope_parameters
 from surfaces.describe.spread import block_means, covariance
 from surfaces.field import HeightField
@@ -14,6 +16,7 @@ from surfaces.levelling import levelled
 from surfaces.patch import Patch
 
 CELLS = 8
+CELLS_OF_PATCHES = 4
 
 
 def by_name(rows):
@@ -64,7 +67,7 @@ def test_the_correlation_length_of_a_field_whose_autocorrelation_is_exact():
 @pytest.fixture(scope="module")
 def patches():
     """112 patches of 24 correlation lengths, cut from fields of 96, of roughness 0.6 and 0.3."""
-    cells = 4
+    cells = CELLS_OF_PATCHES
     n = 24 * cells
     step = tuple(2 / (a * shortened(cells, 96)) for a in (0.6, 0.3))
     found = []
@@ -92,9 +95,29 @@ def test_error_bars_cover_the_truth_as_often_as_they_say(patches):
     assert np.all(np.count_nonzero(np.abs(z) < 2, axis=1) >= 100)
     # 24 numbers tell a standard error: t has a mean square of 24 / 22.
     assert np.all(np.abs((z**2).mean(axis=1) - 24 / 22) < 3 * np.sqrt(2 / 112))
-    heights = [by_name(height_parameters(p, "")) for p in patches]
-    z = deviations(heights, {"sq": 1, "ssk": 0})
+    heights = [by_name(height_parameters(p, "") + correlation_lengths(p, "")) for p in patches]
+    lengths = [patches[0].step[axis] * CELLS_OF_PATCHES for axis in (0, 1)]
+    truth = {f"correlation_length_{name}": x for name, x in zip("xy", lengths, strict=True)}
+    truth |= {"sq": 1, "ssk": 0, "sku": 3, "correlation_length": np.sqrt(np.prod(lengths))}
+    z = deviations(heights, truth)
     assert np.all(np.count_nonzero(np.abs(z) < 2, axis=1) >= 100)
+    # Told from the patch alone, error bars of Sku are short where it is small: 1.38. The sum of
+    # those of both axes is long for their mean: 0.66.
+    assert np.all(np.abs((z**2).mean(axis=1) - 1) < 2.4 * np.sqrt(2 / 112))
+
+
+def test_errors_of_gaussian_heights_in_closed_form():
+    """rho is exp(-r^2): its cube and its fourth power have the integrals pi / 3 and pi / 4."""
+    h = synthesise(all_waves(64, np.random.default_rng(3)), 64, 4)
+    expected = np.sqrt([6 * np.pi / 3, 24 * np.pi / 4]) / 64
+    np.testing.assert_allclose(errors_of_gaussian(h, periodic=True), expected, rtol=0.05)
+    # Of a quarter there are as many areas less, and pairs at a distance are fewer.
+    part = errors_of_gaussian(h[:128, :128] - h[:128, :128].mean(), periodic=False)
+    np.testing.assert_allclose(part, 2 * expected, rtol=0.15)
+    own, gaussian = np.array([0.3, 0.7]), np.array([0.4, 0.1])
+    assert helped(own, np.array([0.1, 3.1]), gaussian) == pytest.approx(np.sqrt([0.125, 0.25]))
+    for figures in ([0.9, 3.1], [0.1, 3.3], [0.1, 2.7]):
+        assert helped(own, np.array(figures), gaussian) is own
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.experiments.realisations import Resolution, make_surface, realisation
+from msbsdf_cli.experiments.random_surfaces import Resolution, make_surface, realisation
 from msbsdf_cli.experiments.resolution import as_fine
 from surfaces.heightfield import all_waves, shortened, some_waves, synthesise
 from surfaces.spectrum import GAUSSIAN, NAMES, spectrum

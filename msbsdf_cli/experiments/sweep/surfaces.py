@@ -5,10 +5,10 @@ from typing import ClassVar
 
 from msbsdf_cli.experiments.control_variates import NUMBER, expected
 from msbsdf_cli.experiments.pilot import pilot
+from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.realisations import (
     LobeGroups,
     Meshes,
-    Resolution,
     SurfaceJob,
     SurfaceResult,
     trace_surface,
@@ -28,6 +28,7 @@ from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.discretisation import on_all_meshes
 from msbsdf_cli.statistics.surface_tally import SurfaceTally
 from surfaces.facet import Array
+from surfaces.marginal import marginal
 
 PART = 4
 """Realisations of a part."""
@@ -73,7 +74,8 @@ class SurfaceCase:
     def measure(cases: list["SurfaceCase"], part: int) -> list[State]:
         first, wanted = cases[0], [_Sums(case) for case in cases]
         last = min((part + 1) * PART, first.resolution.realisations)
-        known = [expected(c.scene.slopes, c.scene.wi(c.scene.theta[0])) for c in cases]
+        heights_are = marginal(first.resolution.heights_of)
+        known = [expected(c.scene.slopes, c.scene.wi(c.scene.theta[0]), heights_are) for c in cases]
         for number in range(part * PART, last):
             fields = Meshes(first.resolution, number, first.seed)
             for sums, mean in zip(wanted, known, strict=True):

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 
-from msbsdf_cli.experiments.realisations import Resolution
+from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.tradeoff.directions import Lobe, lobe_directions
 from msbsdf_cli.experiments.tradeoff.energies import energy_rows
 from msbsdf_cli.experiments.tradeoff.floors import MARGIN, Floor, floors, margin

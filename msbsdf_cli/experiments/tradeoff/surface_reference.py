@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.control_variates import NUMBER, expected
-from msbsdf_cli.experiments.realisations import Resolution, SurfaceJob, trace_surface
+from msbsdf_cli.experiments.random_surfaces import Resolution
+from msbsdf_cli.experiments.realisations import SurfaceJob, trace_surface
 from msbsdf_cli.experiments.tradeoff.known_energies import FEWEST, Known, Spent, known
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.run.executors import Workers, map_ordered

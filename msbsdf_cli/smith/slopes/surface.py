@@ -6,7 +6,8 @@ density: the projected area by integrating it, visible normals by rejection.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -68,7 +69,7 @@ class Surface(Slopes):
         count = np.bincount(i * SIDE + j, minlength=SIDE**2)
         cells = np.flatnonzero(count)
         shares = count[cells] / count.sum()
-        return cls(alpha_x, alpha_y, tuple(cells.tolist()), tuple(shares.tolist()), reach)
+        return _kept(alpha_x, alpha_y, tuple(cells.tolist()), tuple(shares.tolist()), reach)
 
     @cached_property
     def _boxes(self) -> tuple[Array, Array, Array]:
@@ -83,6 +84,11 @@ class Surface(Slopes):
         variance = (middle**2 + size**2 / 12) @ share - mean**2
         scale = 1 / np.sqrt(2 * variance)
         return share, (low - mean[:, None]) * scale[:, None], size * scale[:, None]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Handed to another process without its tables, which take megabytes, and are made there
+        once for all work on the same slopes."""
+        return _kept, (self.alpha_x, self.alpha_y, self.cells, self.shares, self.reach)
 
     def D(self, m: Array) -> Array:
         """Of the cell that the slope is in."""
@@ -166,6 +172,12 @@ class Surface(Slopes):
         m = np.empty((3, n), dtype)
         m[0], m[1], m[2] = -self.alpha_x * x, -self.alpha_y * y, 1
         return m
+
+
+@lru_cache(maxsize=2)
+def _kept(*values: Any) -> Surface:
+    """The same object for the same slopes; a process that was forked has its tables already."""
+    return Surface(*values)
 
 
 def _edges(reach: float) -> Array:
