@@ -185,6 +185,6 @@ def write_convergence(draft: Path, scene: Any, options: dict[str, Any]) -> None:
     from msbsdf_cli.results.files import write_csv
 
     rays = options["samples"], options["seed"], options["threads"], options["quiet"]
-    table = convergence(scene, *rays, *(options[n] for n in RESOLVED[-2:]))
+    table = convergence(scene, *rays, None, *(options[n] for n in RESOLVED[-2:]))
     write_csv(draft / "convergence.csv", table)
     draw_convergence(table, draft)
