@@ -97,9 +97,7 @@ class Published(FollowsPaths):
         self._shine(self._arrive(-wi, np.arange(wo.shape[1])), wo, estimate, rng)
         return estimate.sums[:, 0]
 
-    def _shine(
-        self, walks: Walks, wo: Array, estimate: Estimate, rng: np.random.Generator
-    ) -> int:
+    def _shine(self, walks: Walks, wo: Array, estimate: Estimate, rng: np.random.Generator) -> int:
         """Add what walks send towards `wo` (3, directions), or each towards that of its `start`;
         how many of them `most_facets` cuts off."""
         order, each = 1, 1 if walks.start is not None else wo.shape[1]

@@ -1,6 +1,6 @@
-"""Surfaces that transmit: the BSDF of a dielectric, one arriving direction at a time."""
+"""Surfaces that transmit: the BSDF of a dielectric."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -38,20 +38,20 @@ class DielectricSolution:
     material: Material
     orders: int
     resolution: float
+    _last: dict[bytes, list[Start]] = field(default_factory=dict, compare=False, repr=False)
+    """What came from the incident directions that were asked for last."""
 
     def evaluate(self, wi: Array, wo: Array) -> tuple[Array, float]:
         """BSDF x |cos(theta_o)| from order 2 on, (1, orders + 1, n), and the energy not accounted
         for. The first order, 0 here, is in closed form."""
-        start = self.start(wi)
-        return self.pairs([start], wo), start.flights.unresolved
+        value, unresolved = self.pairs(wi[:, None], wo)
+        return value[0], unresolved
 
-    def start(self, wi: Array) -> Start:
-        """Light from `wi` (3,), for `pairs`."""
-        return Start(-wi, self._directional.follow(wi, self.orders), self._second.arrive(wi))
-
-    def pairs(self, starts: list[Start], wo: Array) -> Array:
-        """What `evaluate` gives between m starts and all of `wo` (3, n), (m, orders + 1, n):
-        outgoing directions are followed back once for all of them."""
+    def pairs(self, wi: Array, wo: Array) -> tuple[Array, float]:
+        """The same between all of `wi` (3, m) and all of `wo` (3, n), (m, 1, orders + 1, n):
+        outgoing directions are followed back once for all of the incident ones, and these are kept
+        for the next call."""
+        starts = self._starts(wi)
         value = np.zeros((len(starts), self.orders + 1, wo.shape[1]))
         grid, second = self._directional, self._second
         for side, sign in ((0, 1), (1, -1)):
@@ -70,7 +70,17 @@ class DielectricSolution:
                 for i in range(ends.shape[1]):
                     same = which == i
                     value[:, 1, part[same]] += second.emerge(arrivals, w[:, same], ends[:, i], side)
-        return value
+        return value[:, None], max(start.flights.unresolved for start in starts)
+
+    def _starts(self, wi: Array) -> list[Start]:
+        key = wi.tobytes()
+        if key not in self._last:
+            grid, second = self._directional, self._second
+            self._last.clear()
+            self._last[key] = [
+                Start(-w, grid.follow(w, self.orders), second.arrive(w)) for w in wi.T
+            ]
+        return self._last[key]
 
     def energy(self, wi: Array) -> Array:
         """Energy (1, sides, orders + 1) that leaves in each order for `wi` (3,)."""

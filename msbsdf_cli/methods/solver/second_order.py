@@ -18,8 +18,10 @@ from msbsdf_cli.methods.solver.heights import Heights
 from msbsdf_cli.methods.solver.nodes import SplitElevations, coordinate
 from msbsdf_cli.methods.solver.slope_quadrature import SlopeQuadrature
 from msbsdf_cli.smith.slopes import Slopes
-from surfaces.facet import Array
+from surfaces.facet import Array, dot
 from surfaces.materials import Dielectric, Material
+
+TINY = float(np.finfo(float).tiny)
 
 EDGE = 4
 """Power by which a share vanishes at an edge: products with it have continuous derivatives up to
@@ -76,13 +78,19 @@ class _Facet:
     def q(self, d: Array, w: Array) -> tuple[Array, Array]:
         """q (lanes,) in closed form, and its weight for multiple importance sampling: it has edges
         where facets point to the horizon, and no limit where light is hardly deflected, and at
-        either the half vector of length |w - d| or |d + eta w| does not rise."""
+        either the half vector of length |w - d| or |d + eta w| does not rise; others where total
+        reflection begins, or light no longer comes through."""
         interface = Dielectric(self.eta)
         if self.event == 1:
-            q, rise = interface.refraction(self.slopes, d, w), d[2] + self.eta * w[2]
+            q, h = interface.refraction(self.slopes, d, w), d + self.eta * w
+            least: Array | float = np.abs(dot(w if self.eta < 1 else d, h)) / np.sqrt(
+                np.maximum(dot(h, h), TINY)
+            )
         else:
-            q, rise = interface.reflection(self.slopes, d, w)[0], w[2] - d[2]
-        return q, q / np.maximum(np.abs(rise), np.finfo(float).tiny ** (0.5 / EDGE)) ** EDGE
+            q, h = interface.reflection(self.slopes, d, w)[0], w - d
+            # Of total reflection the square of the cosine of incidence is 1 - eta^2.
+            least = np.abs(dot(h, h) / 4 - (1 - self.eta**2)) if self.eta < 1 else 1.0
+        return q, q / np.maximum(np.abs(h[2] * least), TINY ** (0.5 / EDGE)) ** EDGE
 
 
 @dataclass(frozen=True)
