@@ -25,10 +25,10 @@ ELEVATIONS_OF_GLASS = 12, 14
 """Nodes on either side of the angle where elevations are split."""
 
 RESOLUTION_OF_GLASS = 0.6
-"""Of the solution that a dielectric's table is made of, four times as fast as at 1, and within .6 %
-of that; tables are further off."""
+"""Of the solution that a dielectric's table is made of, three times as fast as at 1; tables are
+further off."""
 
-PAIR_OF_DIFFUSE_S, PAIR_OF_GLASS_S, ROW_S = 2e-4, 2.5e-3, 2.5e-8
+PAIR_OF_DIFFUSE_S, PAIR_OF_GLASS_S, ROW_S = 2e-4, 3.5e-3, 2.5e-8
 """Seconds for a pair of directions: the first order of diffuse facets is an integral over the
 facets, and the second of glass another. For a direction among kernels of two roughnesses, for each
 product of two of their directions."""
