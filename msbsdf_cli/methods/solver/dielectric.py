@@ -47,11 +47,11 @@ class DielectricSolution:
         value, unresolved = self.pairs(wi[:, None], wo)
         return value[0], unresolved
 
-    def pairs(self, wi: Array, wo: Array) -> tuple[Array, float]:
+    def pairs(self, wi: Array, wo: Array, some: int | None = None) -> tuple[Array, float]:
         """The same between all of `wi` (3, m) and all of `wo` (3, n), (m, 1, orders + 1, n):
         outgoing directions are followed back once for all of the incident ones, and these are kept
-        for the next call."""
-        starts = self._starts(wi)
+        for the next call, also those beyond the first `some` that are asked for."""
+        starts = self._starts(wi)[:some]
         value = np.zeros((len(starts), self.orders + 1, wo.shape[1]))
         grid, second = self._directional, self._second
         for side, sign in ((0, 1), (1, -1)):
