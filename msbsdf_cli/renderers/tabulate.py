@@ -101,12 +101,14 @@ def make_table(
         for job, row in zip(jobs, map_ordered(work, jobs, workers), strict=True):
             *_, side, k = job
             if material.transmits:
-                # What stays on its side is reciprocal: half of it is the other half, and the
-                # less accurate one, as light that comes in at grazing angles is.
+                # Half of the pairs are the other half reversed, which is more accurate where it
+                # comes in further from the horizon. Light that comes out counts the index.
                 below = slice(k + 1)
                 values[0, 2 * side, 0, below, k] = values[0, 2 * side, 0, k, below] = row[0, below]
                 if side == 0:
-                    values[0, 1, 0, :, k] = row[1]
+                    values[0, 1, 0, below, k] = row[1, below]
+                else:
+                    values[0, 1, 0, k, :k] = row[1, :k] * material.ior**2
             elif nodes.incident == 1:
                 values[:, 0, :, k:, k], values[:, 0, :, k, k:] = row, row
             else:
@@ -139,16 +141,15 @@ def _opaque(job: Job) -> Array:
 
 def _glass(job: Job) -> Array:
     """Values (reflected and transmitted, elevations in, azimuths) of the outgoing elevation of
-    number k; of reflected light up to incident elevation k, of light from inside no more than
-    that."""
+    number k, up to incident elevation k."""
     slopes, material, nodes, resolution, side, k = job
     solved = _solution(slopes, other_side(material) if side else material, resolution)
     assert isinstance(solved, DielectricSolution)
     wi, wo = directions(nodes.theta, np.zeros(1)), directions(nodes.theta[[k]], nodes.phi)
     row = np.zeros((2, nodes.elevations, nodes.azimuths))
-    for block, sign, some in ((0, 1, k + 1),) if side else ((0, 1, k + 1), (1, -1, len(wi.T))):
-        value = solved.pairs(wi, wo * [[1], [1], [sign]], some)[0]
-        row[block, :some] = value[:, 0, 1] / wo[2]
+    for block, sign in enumerate((1, -1)):
+        value = solved.pairs(wi, wo * [[1], [1], [sign]], k + 1)[0]
+        row[block, : k + 1] = value[:, 0, 1] / wo[2]
     return row
 
 
