@@ -24,14 +24,16 @@ def command(**options: Any) -> None:
     """Directional albedo of every method, order by order, over angle and roughness; the white
     sphere.
 
-    Without --method: all methods that hold for the material. A sphere that disappears before the
-    white wall conserves energy.
+    Without --method: all methods that hold for the material. A sphere as white as the light around
+    it conserves energy.
     """
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.furnace import furnace, furnace_table
+    from msbsdf_cli.experiments.white_sphere import white_spheres
     from msbsdf_cli.methods.solve import Solve
     from msbsdf_cli.plots.furnace import draw_furnace
+    from msbsdf_cli.plots.white_sphere import draw_spheres
 
     alphas, accuracy = options["alpha"], options["accuracy"]
     scene = common.scene_from(options | {"alpha": alphas[0]})
@@ -50,10 +52,15 @@ def command(**options: Any) -> None:
         results = furnace(scene, alphas, methods, *settings)
         known = not_reached(results, accuracy) if accuracy else hardly_known(scene, results)
         report.warn(known)
+        of_methods = options["seed"], options["threads"], options["quiet"]
+        spheres, refused = white_spheres(scene, alphas, methods, *of_methods)
+        report.warn(refused)
         table = furnace_table(scene, results)
         walks = options["samples"] * len(results) * len(scene.theta)
         report.write(draft, {"furnace.csv": table}, walks)
-        draw_furnace(table, draft)
+        draw_furnace(table, draft / "furnace.png")
+        if spheres:
+            draw_spheres(spheres, draft / "sphere.png")
     report.end(lambda: show(scene, results))
 
 

@@ -155,7 +155,7 @@ def effort(surface: Any, options: dict[str, Any], paths: int) -> tuple[float, st
     return seconds, work
 
 
-TABLE_S = {"solve": 5, "surfaces": 30}
+TABLE_S = {"solve": 6, "surfaces": 30}
 """Seconds of one core for a table of one roughness, roughly."""
 
 PATHS_PER_S = 1.5e5

@@ -139,15 +139,19 @@ class Solve(MethodBase):
         `samples` and `rng` are not used. `stderr` is the greatest difference of resolutions; the
         first order is that of `single`, without one.
         """
-        dtype = wi.dtype
-        wi, wo = wi.astype(float), wo.astype(float)
-        value, unresolved = self.fine.evaluate(wi, wo)
-        error = np.max([np.abs(value - c.evaluate(wi, wo)[0]) for c in self.coarse], axis=0)
+        value, error, unresolved = self.pairs(wi.astype(float)[:, None], wo.astype(float))
+        return Evaluation(value[0].astype(wi.dtype), error[0].astype(wi.dtype), unresolved)
+
+    def pairs(self, wi: Array, wo: Array) -> tuple[Array, Array, float]:
+        """Values and errors, (m, channels, orders + 1, n) each, between all of `wi` (3, m) and all
+        of `wo` (3, n), and the energy not accounted for: faster than one `wi` after the other."""
+        value, unresolved = self.fine.pairs(wi, wo)
+        error = np.max([np.abs(value - c.pairs(wi, wo)[0]) for c in self.coarse], axis=0)
         # Ripples about a value that is nearly 0 go below it.
         error = np.maximum(error, -value)
-        value = np.maximum(value, 0)
-        value[:, 0] = first_order(self.slopes, self.material, wi, outgoing(self.slopes, wo))
-        return Evaluation(value.astype(dtype), error.astype(dtype), unresolved)
+        value, out = np.maximum(value, 0), outgoing(self.slopes, wo)
+        value[:, :, 0] = [first_order(self.slopes, self.material, w, out) for w in wi.T]
+        return value, error, unresolved
 
     def energy(self, wi: Array) -> Energy:
         """Energy of each order that leaves, for a unit vector `wi` (3,), z > 0."""

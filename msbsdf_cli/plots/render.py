@@ -17,11 +17,12 @@ LINEAR, SLOPE, POWER, OFFSET = 0.0031308, 12.92, 1 / 2.4, 0.055
 
 
 def draw_pictures(pictures: list[Picture], exposure: float, path: Path) -> None:
-    """A column for each method: the picture, its luminance less that of the first, and the
-    standard error; differences and errors have one scale each, over the largest radiance shown."""
+    """A column for each method: the picture, its luminance less that of the first, or in words what
+    is shown, and the standard error; differences and errors have one scale each, over the largest
+    radiance shown."""
     _, height, width = pictures[0].mean.shape
     up = WIDTH * height / width
-    rows = 3 if len(pictures) > 1 else 2
+    rows = 3
     across = len(pictures) * (WIDTH + 0.1) + 0.9
     figure, axes = plt.subplots(
         rows, len(pictures), figsize=(across, rows * (up + 0.12) + 0.45), squeeze=False
@@ -41,22 +42,37 @@ def draw_pictures(pictures: list[Picture], exposure: float, path: Path) -> None:
             f"{p.seconds:.3g} s"
         )
         shown = axes[-1, k].imshow(errors[k], cmap="magma", vmin=0, vmax=error)
-        if rows == 3 and k:
+        if k:
             bar = axes[1, k].imshow(apart[k], cmap="RdBu_r", vmin=-largest, vmax=largest)
-    if rows == 3:
-        axes[1, 0].text(
-            *(0.5, 0.5),
-            f"right of here: luminance less that of {pictures[0].method}\n\n"
-            "below: standard error of each pixel\n\nboth over the luminance shown as white\n\n"
-            "noise: standard error over luminance,\nroot mean squares\n\n"
-            "seconds of processor time, tables aside",
-            **{"ha": "center", "va": "center", "fontsize": 8, "transform": axes[1, 0].transAxes},
-        )
+    words = {"ha": "center", "va": "center", "fontsize": 8, "transform": axes[1, 0].transAxes}
+    axes[1, 0].text(0.5, 0.5, _words(pictures), **words)
+    if len(pictures) > 1:
         _bar(figure, axes[1, -1], bar, "difference", "both")
     _bar(figure, axes[-1, -1], shown, "standard error over white", "max")
     for axis in axes.ravel():
         axis.set_axis_off()
     save(figure, path)
+
+
+def _words(pictures: list[Picture]) -> str:
+    """What the rows show, and how the first picture was made."""
+    first = pictures[0]
+    beside = [f"right of here: luminance less that of {first.method}"] if len(pictures) > 1 else []
+    made = f"{first.samples} paths a pixel"
+    tables = [
+        f"tables of {p.method}: {p.setup_seconds:.3g} s, off by {100 * p.table_error:.2g} %"
+        for p in pictures
+        if p.table_error
+    ]
+    return "\n\n".join(
+        (
+            *beside,
+            "below: standard error of each pixel,\nover the luminance shown as white",
+            "noise: standard error over luminance,\nroot mean squares",
+            f"{made}; seconds of processor time, tables aside",
+            *tables,
+        )
+    )
 
 
 def displayed(radiance: Array) -> Array:

@@ -1,5 +1,6 @@
 """The files of `msbsdf export`: a table of a BSDF, and albedos for NumPy and for C."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +12,14 @@ from msbsdf_cli.renderers.tables import BLOCKS, BsdfTable
 from msbsdf_cli.results import npz
 from surfaces.facet import Array
 
-FORMAT = "table of msbsdf 2"
+FORMAT = "table of msbsdf 3"
 
 AXES = (
     "values[channel, block, phi_i, theta_i, theta_o, phi]: BSDF per steradian, without the cosine, "
     "at the polar angles `theta` of either direction, the azimuths `phi_i` of incidence and `phi` "
     "from there to the outgoing direction; of specular facets without the first order. Cubic "
-    "splines interpolate, even in (1 - theta/(pi/2))^(1/2) and, of one roughness, in "
-    "phi + sin(2 phi) / 4."
+    "splines interpolate, as msbsdf_cli.renderers.nodes has it: of glass one on either side of the "
+    "polar angle `split`."
 )
 
 MEASURE = (
@@ -36,7 +37,7 @@ def write_table(path: Path, table: BsdfTable, errors: Array, known: Array) -> No
         "material": material.name,
         "specular": material.specular,
         "ior": material.ior if material.transmits else None,
-        "nodes": (nodes.elevations, nodes.azimuths, nodes.incident),
+        "nodes": asdict(nodes),
         "single_share": first_share(table.slopes, material),
         "error": {"largest": float(errors.max()), "mean": float(errors.mean())},
         "error_of_solution": {"largest": float(known.max()), "mean": float(known.mean())},
@@ -57,7 +58,7 @@ def write_table(path: Path, table: BsdfTable, errors: Array, known: Array) -> No
 def read_table(path: str | Path) -> dict[str, Any]:
     """What `write_table` wrote, `nodes` as `Nodes`. Raises ValueError for any other file."""
     about, arrays = npz.read(path, FORMAT)
-    return about | arrays | {"nodes": Nodes(*about["nodes"])}
+    return about | arrays | {"nodes": Nodes(**about["nodes"])}
 
 
 def c_header(slopes: str, directional: Array, mean: Array) -> str:

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from msbsdf_cli.renderers.files import read_table
-from msbsdf_cli.renderers.nodes import AZIMUTH_CROWDING
 from msbsdf_cli.renderers.splines import MARGIN
 from msbsdf_cli.renderers.tables import table_coefficients
 
@@ -39,7 +38,8 @@ class Lobes:
         self.nodes = content["nodes"]
         kind = mi.MicrofacetType.GGX if self.ggx else mi.MicrofacetType.Beckmann
         self.normals = mi.MicrofacetDistribution(kind, *self.alpha)
-        self._load(np.moveaxis(table_coefficients(content["values"].astype(float)), 0, -1))
+        values = table_coefficients(content["values"].astype(float), self.nodes)
+        self._load(np.moveaxis(values, 0, -1))
 
     def _load(self, values: Any) -> None:
         """A texture has three axes: blocks and azimuths of incidence lie one behind the other."""
@@ -103,7 +103,8 @@ class Lobes:
         phi = dr.atan2(wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y)
         if nodes.incident == 1:
             phi = dr.abs(phi)
-            place = (phi + AZIMUTH_CROWDING / 2 * dr.sin(2 * phi)) / dr.pi * (nodes.azimuths - 1)
+            crowded = phi + nodes.crowding / 2 * dr.sin(2 * phi)
+            place = crowded / dr.pi * (nodes.azimuths - 1)
         else:
             place = dr.select(phi < 0, phi + 2 * dr.pi, phi) / (2 * dr.pi) * nodes.azimuths
         rest = (place, self._elevation(wo), self._elevation(wi))
@@ -130,10 +131,16 @@ class Lobes:
 
     def _elevation(self, w: Any) -> Any:
         """Place between the nodes of an upward direction, as `Nodes` has it."""
-        dr, n = self.dr, self.nodes.elevations
+        dr, nodes = self.dr, self.nodes
+        after = nodes.elevations - nodes.before
         psi = dr.atan2(w.z, dr.sqrt(w.x * w.x + w.y * w.y))
-        x = 1 - dr.sqrt(self.at_least(psi / (dr.pi / 2), 0))
-        return -self.at_least(-x * (n - 0.5), 1 - n)
+        if not nodes.before:
+            x = 1 - dr.sqrt(self.at_least(psi / (dr.pi / 2), 0))
+            return -self.at_least(-x * (after - 0.5), 1 - after)
+        low = dr.pi / 2 - nodes.split
+        x = dr.sqrt(self.at_least(1 - dr.sqrt(self.at_least(psi / low, 0)), 0))
+        beyond = -self.at_least(-x * (after - 0.5), 1 - after) + nodes.before + 2 * MARGIN
+        return dr.select(psi < low, beyond, (1 - (psi - low) / nodes.split) * (nodes.before - 1))
 
     def first(self, wi: Any, wo: Any) -> Any:
         """BSDF x cosine of the first order."""

@@ -1,9 +1,11 @@
 """Nodes of a table of a BSDF, and where directions lie between them."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
+from msbsdf_cli.renderers.splines import MARGIN
 from surfaces.facet import Array
 
 ELEVATION_CROWDING = 2
@@ -12,8 +14,9 @@ horizon, where a BSDF depends on the ratio of two."""
 
 AZIMUTH_CROWDING = 0.5
 """Of one roughness: azimuths between the directions have (phi + crowding sin(2 phi) / 2) / pi even
-in [0, 1]. Towards grazing angles light is bright next to the plane of incidence, and nodes lie
-three times as dense there as half way."""
+in [0, 1]. Towards grazing angles light is bright next to the plane of incidence, and nodes of
+opaque surfaces lie three times as dense there as half way; those of glass are even, since it is
+half way that total reflection begins between grazing directions inside."""
 
 
 @dataclass(frozen=True)
@@ -26,18 +29,36 @@ class Nodes:
     """Between the directions: in [0, pi] with both ends, or, of two roughnesses, in [0, 2 pi)."""
     incident: int = 1
     """Azimuths of the incident direction, in [0, pi/2] with both ends; 1 of one roughness."""
+    before: int = 0
+    """Elevations of those nearer to the normal than `split`, which both parts have; else 0."""
+    split: float = 0.0
+    """A polar angle at which a BSDF is not smooth. Nodes before it are evenly spaced; elevations
+    over the mean plane beyond it are (1 - x^2)^2 of the highest, and crowd at both ends."""
+    crowding: float = AZIMUTH_CROWDING
+
+    @classmethod
+    def of_glass(cls, ior: float, before: int, after: int, azimuths: int) -> Self:
+        """Split where a direction is as far from the mean plane as the critical angle is from the
+        normal: what steep facets show of total reflection ends there."""
+        split = np.arccos(min(ior, 1 / ior))
+        return cls(before + after, azimuths, 1, before, float(split), 0.0)
 
     @property
     def steepest(self) -> float:
         """x of the last elevation: half an interval above the horizon, at which there is no BSDF.
         Directions below have the values of this one."""
-        return (self.elevations - 1) / (self.elevations - 0.5)
+        after = self.elevations - self.before
+        return (after - 1) / (after - 0.5)
 
     @property
     def theta(self) -> Array:
         """Polar angles (elevations,)."""
-        x = np.arange(self.elevations) / (self.elevations - 0.5)
-        return np.pi / 2 * (1 - (1 - x) ** ELEVATION_CROWDING)
+        after = self.elevations - self.before
+        x = np.arange(after) / (after - 0.5)
+        if not self.before:
+            return np.pi / 2 * (1 - (1 - x) ** ELEVATION_CROWDING)
+        near = np.linspace(0, self.split, self.before)
+        return np.append(near, np.pi / 2 - (np.pi / 2 - self.split) * (1 - x * x) ** 2)
 
     @property
     def phi(self) -> Array:
@@ -45,7 +66,7 @@ class Nodes:
         if self.incident > 1:
             return 2 * np.pi / self.azimuths * np.arange(self.azimuths)
         fine = np.linspace(0, np.pi, 20_001)
-        return np.interp(np.linspace(0, 1, self.azimuths), between(fine), fine)
+        return np.interp(np.linspace(0, 1, self.azimuths), self.between(fine), fine)
 
     @property
     def phi_i(self) -> Array:
@@ -53,8 +74,9 @@ class Nodes:
         return np.linspace(0, np.pi / 2, self.incident) if self.incident > 1 else np.zeros(1)
 
     def places(self, wi: Array, wo: Array) -> tuple[Array, Array, Array, Array]:
-        """In nodes: azimuth of incidence, both elevations and azimuth in between, (n,) each, of
-        unit vectors (3, n), z >= 0."""
+        """In nodes, or rather coefficients, of which there are `MARGIN` more at either end of each
+        part: azimuth of incidence, both elevations and azimuth in between, (n,) each, of unit
+        vectors (3, n), z >= 0."""
         if self.incident > 1:
             # Mirror images in both planes of symmetry have the same BSDF.
             mirror = np.where(wi < 0, -1, 1) * np.array([[1], [1], [0]]) + [[0], [0], [1]]
@@ -62,7 +84,7 @@ class Nodes:
         across, along = wi[0] * wo[1] - wi[1] * wo[0], wi[0] * wo[0] + wi[1] * wo[1]
         phi = np.arctan2(across, along)
         if self.incident == 1:
-            place = between(np.abs(phi)) * (self.azimuths - 1)
+            place = self.between(np.abs(phi)) * (self.azimuths - 1)
             return 0 * phi, self._elevation(wi), self._elevation(wo), place
         place = np.mod(phi / (2 * np.pi), 1) * self.azimuths
         turned = np.arctan2(wi[1], wi[0]) / (np.pi / 2) * (self.incident - 1)
@@ -70,10 +92,15 @@ class Nodes:
 
     def _elevation(self, w: Array) -> Array:
         psi = np.arctan2(w[2], np.hypot(w[0], w[1]))
-        x = 1 - np.sqrt(psi / (np.pi / 2))
-        return np.asarray(np.minimum(x, self.steepest) * (self.elevations - 0.5))
+        after = self.elevations - self.before
+        if not self.before:
+            x = 1 - np.sqrt(psi / (np.pi / 2))
+            return np.asarray(np.minimum(x, self.steepest) * (after - 0.5))
+        low = np.pi / 2 - self.split
+        x = np.sqrt(1 - np.sqrt(np.minimum(psi / low, 1)))
+        beyond = np.minimum(x, self.steepest) * (after - 0.5) + self.before + 2 * MARGIN
+        return np.where(psi < low, beyond, (1 - (psi - low) / self.split) * (self.before - 1))
 
-
-def between(phi: Array) -> Array:
-    """Azimuths in [0, pi] on the scale on which nodes are even, from 0 to 1."""
-    return (phi + AZIMUTH_CROWDING / 2 * np.sin(2 * phi)) / np.pi
+    def between(self, phi: Array) -> Array:
+        """Azimuths in [0, pi] on the scale on which nodes of one roughness are even, 0 to 1."""
+        return (phi + self.crowding / 2 * np.sin(2 * phi)) / np.pi

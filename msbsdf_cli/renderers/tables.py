@@ -50,19 +50,17 @@ class BsdfTable:
         return np.asarray(found)
 
     def later(self, wi: Array, wo: Array) -> Array:
-        """BSDF of the table's orders, (channels, n)."""
+        """BSDF of the table's orders, (channels, n), for `wi` (3,) or (3, n)."""
+        wi = np.broadcast_to(wi.reshape(3, -1), wo.shape)
         inside, crosses = wi[2] < 0, wi[2] * wo[2] < 0
         if not self.material.transmits:
             crosses = np.zeros_like(crosses)
-        lit, seen = np.broadcast_to(wi[:, None], wo.shape), wo
-        block = np.where(crosses, 1, 2 * inside)
-        if inside:
-            lit, seen = np.where(crosses, wo, lit), np.where(crosses, lit, wo)
+        block, outwards = np.where(crosses, 1, 2 * inside), inside & crosses
+        lit, seen = np.where(outwards, wo, wi), np.where(outwards, wi, wo)
         upright = [[1], [1], [-1]]
         lit, seen = (np.where(w[2] < 0, w * upright, w) for w in (lit, seen))
         places = self.nodes.places(lit, seen)
         found = np.array([self._spline(c, block, places) for c in range(len(self.values))])
-        outwards = inside & crosses
         dark = (wi[2] * wo[2] == 0) | ((inside | (wo[2] < 0)) & (not self.material.transmits))
         return np.where(dark, 0, np.maximum(found, 0) / np.where(outwards, self.material.ior**2, 1))
 
@@ -81,12 +79,15 @@ class BsdfTable:
     def coefficients(self) -> Array:
         """Of the spline through the values, as `values` and with margins at both ends of all but
         the azimuth of incidence of one roughness."""
-        return table_coefficients(self.values)
+        return table_coefficients(self.values, self.nodes)
 
 
-def table_coefficients(values: Array) -> Array:
+def table_coefficients(values: Array, nodes: Nodes) -> Array:
     """The coefficients of a table's values (channels, blocks, azimuths of incidence, elevations in,
     elevations out, azimuths between), extended by what symmetry says lies beyond the ends."""
+    for axis in (3, 4):
+        parts = np.split(values, [nodes.before] if nodes.before else [], axis)
+        values = np.concatenate([coefficients(part, axis) for part in parts], axis)
     incident, azimuths = values.shape[2], values.shape[5]
     if incident == 1:
         reach = min(REACH, azimuths - 1)
@@ -98,14 +99,11 @@ def table_coefficients(values: Array) -> Array:
     numbers = np.mod(np.arange(-REACH, incident + REACH), half)
     circle = [values[:, :, k] if k < incident else mirrored[:, :, half - k] for k in numbers]
     values = np.pad(np.stack(circle, axis=2), [(0, 0)] * 5 + [(REACH, REACH + 1)], mode="wrap")
-    return _ended(_ended(values, 5, REACH), 2, REACH, elevations=False)
+    return _ended(_ended(values, 5, REACH), 2, REACH)
 
 
-def _ended(values: Array, axis: int, reach: int, elevations: bool = True) -> Array:
-    """Coefficients along an axis that was extended by `reach` either way, its margins kept, and,
-    for once, along both elevations."""
-    if elevations:
-        values = coefficients(coefficients(values, 3), 4)
+def _ended(values: Array, axis: int, reach: int) -> Array:
+    """Coefficients along an axis that was extended by `reach` either way, its margins kept."""
     found = coefficients(values, axis)
     # A margin has been put in front.
     kept = np.arange(reach, found.shape[axis] - reach)

@@ -21,18 +21,24 @@ LEAST_AZIMUTHS, AZIMUTHS_OF_ALPHA = 32, 6
 """Nodes in azimuth of one roughness: more on smooth surfaces, in proportion to 1 / alpha, as lobes
 are narrow."""
 
-RESOLUTION_OF_GLASS = 0.5
-"""Of the solution that a dielectric's table is made of, four times as fast as at 1, and within .6 %
-of that; tables are further off."""
+ELEVATIONS_OF_GLASS = 12, 14
+"""Nodes on either side of the angle where elevations are split."""
 
-PAIR_OF_DIFFUSE_S, PAIR_OF_GLASS_S, ROW_S = 2e-4, 2.5e-3, 2.5e-8
+RESOLUTION_OF_GLASS = 0.6
+"""Of the solution that a dielectric's table is made of, three times as fast as at 1; tables are
+further off."""
+
+PAIR_OF_DIFFUSE_S, PAIR_OF_GLASS_S, ROW_S = 2e-4, 3e-3, 2.5e-8
 """Seconds for a pair of directions: the first order of diffuse facets is an integral over the
 facets, and the second of glass another. For a direction among kernels of two roughnesses, for each
 product of two of their directions."""
 
-LIGHTS, LIGHTS_ON_GLASS, ELEVATIONS, AZIMUTHS = 24, 8, 4, 8
-"""Random directions of incidence, and for each as many elevations and azimuths on either side, in
-which a table is held against `solve` at its usual resolution."""
+LIGHTS, ELEVATIONS, AZIMUTHS = 8, 8, 8
+"""Random directions of incidence on either side, and outgoing elevations and azimuths on either
+side, in which a table is held against `solve`."""
+
+RESOLUTION_OF_TRUTH = 0.75
+"""Of `solve` for glass in these directions; for opaque surfaces it is the usual one."""
 
 LEAST_COSINE = float(np.cos(1.4))
 """Of the steepest of these directions."""
@@ -45,6 +51,9 @@ spread evenly."""
 def nodes_for(slopes: Slopes, material: Material) -> Nodes:
     """As many as a table of some megabytes has room for."""
     alpha, wide = sorted((slopes.alpha_x, slopes.alpha_y))
+    if material.transmits:
+        azimuths = max(LEAST_AZIMUTHS, int(np.ceil(AZIMUTHS_OF_ALPHA / alpha)))
+        return Nodes.of_glass(material.ior, *ELEVATIONS_OF_GLASS, azimuths)
     if alpha == wide:
         return Nodes(24, max(LEAST_AZIMUTHS, int(np.ceil(AZIMUTHS_OF_ALPHA / alpha))))
     eighths = int(np.clip(np.ceil(2 / alpha), 6, 10))
@@ -66,26 +75,40 @@ def seconds(slopes: Slopes, material: Material) -> float:
 
 
 def make_table(
-    slopes: Slopes, material: Material, workers: Workers, quiet: bool, nodes: Nodes | None = None
+    slopes: Slopes,
+    material: Material,
+    workers: Workers,
+    quiet: bool,
+    nodes: Nodes | None = None,
+    resolution: float | None = None,
+    label: str = "export",
 ) -> BsdfTable:
-    """Solve the Smith model for all nodes, by default those of `nodes_for`. Raises UnsupportedError
-    for what has no table."""
+    """Solve the Smith model for all nodes, by default those of `nodes_for`, at a resolution of
+    `solve`. Raises UnsupportedError for what has no table."""
     check(slopes, material)
     nodes = nodes_for(slopes, material) if nodes is None else nodes
     sides = 2 if material.transmits else 1
     n, blocks = nodes.elevations, len(BLOCKS) if material.transmits else 1
-    jobs = [(slopes, material, nodes, side, k) for side in range(sides) for k in range(n)]
+    if resolution is None:
+        resolution = RESOLUTION_OF_GLASS if material.transmits else 1.0
+    jobs = [
+        (slopes, material, nodes, resolution, side, k) for side in range(sides) for k in range(n)
+    ]
     shape = material.channels, blocks, nodes.incident, n, n, nodes.azimuths
     values = np.empty(shape)
     work = _glass if material.transmits else _opaque
-    with Progress("export", len(jobs), "angles", quiet) as progress:
+    with Progress(label, len(jobs), "angles", quiet) as progress:
         for job, row in zip(jobs, map_ordered(work, jobs, workers), strict=True):
             *_, side, k = job
             if material.transmits:
-                # What stays on its side is reciprocal: half of it is the other half.
-                values[0, 2 * side, 0, k, k:] = values[0, 2 * side, 0, k:, k] = row[0, k:]
+                # Half of the pairs are the other half reversed, which is more accurate where it
+                # comes in further from the horizon. Light that comes out counts the index.
+                below = slice(k + 1)
+                values[0, 2 * side, 0, below, k] = values[0, 2 * side, 0, k, below] = row[0, below]
                 if side == 0:
-                    values[0, 1, 0, k] = row[1]
+                    values[0, 1, 0, below, k] = row[1, below]
+                else:
+                    values[0, 1, 0, k, :k] = row[1, :k] * material.ior**2
             elif nodes.incident == 1:
                 values[:, 0, :, k:, k], values[:, 0, :, k, k:] = row, row
             else:
@@ -94,18 +117,17 @@ def make_table(
     return BsdfTable(slopes, material, nodes, values)
 
 
-Job = tuple[Slopes, Material, Nodes, int, int]
+Job = tuple[Slopes, Material, Nodes, float, int, int]
 
 
 def _opaque(job: Job) -> Array:
     """Values (channels, azimuths of incidence, elevations in, azimuths between) of the outgoing
     elevation of number k: from elevations k on, or all, where azimuths of incidence differ."""
-    slopes, material, nodes, _, k = job
+    slopes, material, nodes, resolution, _, k = job
     theta = nodes.theta if nodes.incident > 1 else nodes.theta[k:]
-    wi = _directions(theta, nodes.phi_i)
-    wo = _directions(nodes.theta[[k]], nodes.phi)
-    solved = _solution(slopes, material, 1.0)
-    assert isinstance(solved, OpaqueSolution)
+    wi = directions(theta, nodes.phi_i)
+    wo = directions(nodes.theta[[k]], nodes.phi)
+    solved = _solution(slopes, material, resolution)
     value = solved.pairs(wi, wo)[0][:, :, 1]
     if not material.specular:
         value = value + [first_value(slopes, material, w, wo) for w in wi.T]
@@ -118,17 +140,16 @@ def _opaque(job: Job) -> Array:
 
 
 def _glass(job: Job) -> Array:
-    """Values (reflected and transmitted, elevations out, azimuths) of the incident elevation of
-    number k; of reflected light from elevation k on, of light from inside no more than that."""
-    slopes, material, nodes, side, k = job
-    solved = _solution(slopes, other_side(material) if side else material, RESOLUTION_OF_GLASS)
+    """Values (reflected and transmitted, elevations in, azimuths) of the outgoing elevation of
+    number k, up to incident elevation k."""
+    slopes, material, nodes, resolution, side, k = job
+    solved = _solution(slopes, other_side(material) if side else material, resolution)
     assert isinstance(solved, DielectricSolution)
-    (wi,) = _directions(nodes.theta[[k]], np.zeros(1)).T
+    wi, wo = directions(nodes.theta, np.zeros(1)), directions(nodes.theta[[k]], nodes.phi)
     row = np.zeros((2, nodes.elevations, nodes.azimuths))
-    for block, first in ((0, k),) if side else ((0, k), (1, 0)):
-        wo = _directions(nodes.theta[first:], nodes.phi)
-        value = solved.evaluate(wi, wo * [[1], [1], [-1 if block else 1]])[0][0, 1]
-        row[block, first:] = (value / wo[2]).reshape(-1, nodes.azimuths)
+    for block, sign in enumerate((1, -1)):
+        value = solved.pairs(wi, wo * [[1], [1], [sign]], k + 1)[0]
+        row[block, : k + 1] = value[:, 0, 1] / wo[2]
     return row
 
 
@@ -140,7 +161,7 @@ def _solution(
     return solution(slopes, material, 1, resolution)
 
 
-def _directions(theta: Array, phi: Array) -> Array:
+def directions(theta: Array, phi: Array) -> Array:
     """Directions (3, polar angles x azimuths)."""
     sin, cos = np.sin(theta), np.cos(theta)
     across = (np.outer(sin, f(phi)).ravel() for f in (np.cos, np.sin))
@@ -151,31 +172,35 @@ def table_error(table: BsdfTable, workers: Workers, seed: int = 0) -> tuple[Arra
     """Relative errors of the whole BSDF in random pairs of directions up to theta 1.4, those of the
     table against `solve` and of `solve` by its own estimate, (pairs,) each. Of three channels the
     largest counts."""
-    sides, lights = (2, LIGHTS_ON_GLASS) if table.material.transmits else (1, LIGHTS)
-    jobs = [(table, side, seed, k) for side in range(sides) for k in range(lights)]
+    sides = 2 if table.material.transmits else 1
+    jobs = [(table, side, seed, k) for side in range(sides) for k in range(ELEVATIONS)]
     found = list(map_ordered(_errors, jobs, workers))
     errors, known = np.concatenate(found, axis=-1)
     return errors, known
 
 
 def _errors(job: tuple[BsdfTable, int, int, int]) -> Array:
+    """At one outgoing elevation on either side."""
     table, side, seed, k = job
+    rng = stream(seed, "export pairs", side)
+    cos, phi = rng.uniform(LEAST_COSINE, 1, LIGHTS), rng.uniform(0, 2 * np.pi, LIGHTS)
+    wi = np.array([*(np.sqrt(1 - cos * cos) * [np.cos(phi), np.sin(phi)]), cos])
     rng = stream(seed, "export pairs", side, k)
-    cos, phi = rng.uniform(LEAST_COSINE, 1, 1 + ELEVATIONS), rng.uniform(0, 2 * np.pi, AZIMUTHS)
-    theta = np.arccos(cos)
-    wi, wo = _directions(theta[:1], phi[:1] + 1)[:, 0], _directions(theta[1:], phi)
-    down = [[1], [1], [-1]]
+    theta, phi = np.arccos(rng.uniform(LEAST_COSINE, 1, 1)), rng.uniform(0, 2 * np.pi, AZIMUTHS)
+    wo, down = directions(theta, phi), np.array([[1], [1], [-1]])
     if table.material.transmits:
         wo = np.concatenate([wo, wo * down], axis=1)
     solve = _solve(table.slopes, other_side(table.material) if side else table.material)
-    found = solve.evaluate(wi, wo)
-    truth, known = found.value.sum(axis=1), found.stderr.sum(axis=1)
-    mine = table.evaluate(wi * [1, 1, -1], wo * down) if side else table.evaluate(wi, wo)
+    truth, known, _ = solve.pairs(wi, wo)
+    truth, known = truth.sum(axis=2), known.sum(axis=2)
+    if side:
+        wi, wo = wi * down, wo * down
+    mine = np.array([table.evaluate(w, wo) for w in wi.T])
     errors: Array = np.stack([np.abs(mine - truth), known]) / np.maximum(truth, FAINT)
-    return errors.max(axis=1)
+    return errors.max(axis=2).reshape(2, -1)
 
 
 @lru_cache(maxsize=2)
 def _solve(slopes: Slopes, material: Material) -> Solve:
     """Once in each process."""
-    return Solve(slopes, material, 1)
+    return Solve(slopes, material, 1, RESOLUTION_OF_TRUTH if material.transmits else 1.0)

@@ -50,7 +50,6 @@ def test_scenes_have_surfaces_of_their_own_that_options_change(tmp_path):
         (["sphere", "--texture", "roughness"], "has no texture"),
         (["plate", "--texture", "albedo"], "albedo is of diffuse facets"),
         (["plate", "--method", "exact"], "conductors and diffuse"),
-        (["plate", "--method", "published"], "no pairs of directions"),
         (["--samples", "1"], "too few"),
         (["--width", "1e6"], "too many"),
         (["--material", "conductor", "--eta-k", "1,2,3"], "not pairs"),

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from msbsdf_cli.experiments.furnace import FurnaceJob, run_furnace
+from msbsdf_cli.experiments.render.scenes.furnace import SPHERE_IN_VIEW
+from msbsdf_cli.experiments.white_sphere import white_spheres
 from msbsdf_cli.methods.solve import Solve
-from msbsdf_cli.plots.furnace import _sphere
+from msbsdf_cli.plots.white_sphere import GROUND, difference, draw_spheres, on_grey
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.albedo import first_order_albedo
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
-from surfaces.materials import Conductor
+from surfaces.materials import Conductor, Dielectric
 
 THETA = (0.0, 1.0, 1.5, 1.57)
 SAMPLES = 1024
@@ -54,9 +56,39 @@ def test_two_roughnesses_are_seen_from_azimuths_over_the_quarter_turn():
 
 
 def test_the_sphere_shows_the_azimuth_of_each_place():
-    azimuths, angles = np.linspace(0, np.pi / 2, 5), np.linspace(0, 1.5, 4)
-    image = _sphere([(azimuths, angles, np.outer(0.2 + 0.4 * azimuths, np.ones(4)))])
-    middle = len(image) // 2
-    right, top = image[middle, -len(image) // 6, 0], image[len(image) // 6, middle, 0]
-    assert right**2.2 == pytest.approx(0.2, abs=0.02)
-    assert top**2.2 == pytest.approx(0.2 + 0.2 * np.pi, abs=0.02)
+    """At 0.8 from the middle of the view single scattering has the albedo of the x axis to either
+    side, and of the y axis above and below; a method that loses nothing is white."""
+    scene = Scene(Conductor(), Beckmann(1.0, 0.1), (0.8,), 0)
+    methods = "single", "walk", "solve"
+    (single, walk), refused = white_spheres(scene, (scene.alpha,), methods, 0, 1, True)
+    assert len(refused) == 1
+    assert "solve" in refused[0]
+    assert "one roughness" in refused[0]
+    x, y = (np.arange(64) + 0.5) / 32 - 1, (np.arange(64)[:, None] + 0.5) / 32 - 1
+    # The edge of a sphere from 8 radii away is seen under the angle of .992 radii.
+    polar = np.arcsin(np.minimum(np.hypot(x, y) * SPHERE_IN_VIEW, 1))
+    ring = np.abs(polar - 0.8) < 0.08
+    flat = ring & (np.abs(np.arctan2(y, np.abs(x))) < 0.1)
+    steep = ring & (np.abs(np.arctan2(y, np.abs(x))) > np.pi / 2 - 0.1)
+    for places, albedo in ((flat, 0.858), (steep, 0.721)):
+        assert places.sum() >= 8
+        found = single.image[0][places]
+        # A ring of .16 in angle changes the albedo by less than .01 in the mean.
+        assert found.mean() == pytest.approx(
+            albedo, abs=0.01 + 4 * single.noise / np.sqrt(places.sum() / 4)
+        )
+    np.testing.assert_allclose(walk.image, 1, rtol=1e-9)
+    assert np.isnan(difference(walk)[0, 0])
+    grey, white = on_grey(walk)[0, 0], on_grey(walk)[32, 32]
+    np.testing.assert_allclose(grey, GROUND)
+    np.testing.assert_allclose(white, 1)
+
+
+def test_a_sphere_of_glass_is_white(tmp_path):
+    """A closed body, from the middle of which light comes out again."""
+    scene = Scene(Dielectric(1.5), Ggx(0.6, 0.6), (0.8,), 0)
+    spheres, refused = white_spheres(scene, (scene.alpha,), ("walk",), 0, 1, True)
+    assert not refused
+    np.testing.assert_allclose(spheres[0].image, 1, rtol=1e-9)
+    draw_spheres(spheres, tmp_path / "sphere.png")
+    assert (tmp_path / "sphere.png").stat().st_size > 10_000

@@ -22,7 +22,7 @@ CASES = {
     "gold": (ms.Beckmann(0.3, 0.3), GOLD, None),
     "diffuse": (ms.Ggx(0.4, 0.4), Diffuse(), Nodes(16, 16)),
     "two": (ms.Beckmann(0.3, 0.6), GOLD, Nodes(6, 16, 3)),
-    "glass": (ms.Ggx(0.4, 0.4), Dielectric(1.5), Nodes(6, 8)),
+    "glass": (ms.Ggx(0.4, 0.4), Dielectric(1.5), Nodes.of_glass(1.5, 5, 5, 8)),
 }
 OPAQUE = [name for name in CASES if name != "glass"]
 

@@ -14,7 +14,7 @@ from msbsdf_cli.renderers.albedos import albedos, first_share, nodes
 from msbsdf_cli.renderers.files import c_header, read_table, write_table
 from msbsdf_cli.renderers.nodes import Nodes
 from msbsdf_cli.renderers.splines import coefficients, spline
-from msbsdf_cli.renderers.tables import check
+from msbsdf_cli.renderers.tables import BsdfTable, check
 from msbsdf_cli.renderers.tabulate import make_table, table_error
 from surfaces.materials import Conductor, Dielectric, Diffuse
 
@@ -33,7 +33,7 @@ def two():
 
 @pytest.fixture(scope="module")
 def glass():
-    return make_table(ms.Beckmann(1, 1), Dielectric(1.5), 2, True, Nodes(6, 8))
+    return make_table(ms.Beckmann(1, 1), Dielectric(1.5), 2, True, Nodes.of_glass(1.5, 5, 5, 8))
 
 
 def test_splines_are_those_of_the_textbook():
@@ -50,7 +50,7 @@ def test_splines_are_those_of_the_textbook():
 
 def test_a_table_is_within_a_thousandth_of_the_model(table):
     errors, known = table_error(table, 2)
-    assert errors.shape == known.shape == (24 * 4 * 8,)
+    assert errors.shape == known.shape == (8 * 8 * 8,)
     assert errors.max() < 1e-3
     assert known.max() < 1e-3
 
@@ -126,6 +126,23 @@ def test_glass_has_the_values_of_solve_on_either_side(glass, side):
         expected = solve.evaluate(wi, wo).value.sum(axis=1)
         mine = glass.evaluate(wi * [1, 1, side], wo * [[1], [1], [side]])
         np.testing.assert_allclose(mine, expected, rtol=0.01, atol=1e-5)
+
+
+def test_elevations_split_at_the_angle_where_total_reflection_ends():
+    """Functions with a corner there are found to a thousandth, and the angle itself twice."""
+    nodes = Nodes.of_glass(1.5, 10, 10, 8)
+    assert nodes.theta[9] == pytest.approx(nodes.theta[10])
+    assert nodes.split == pytest.approx(np.pi / 2 - np.arcsin(1 / 1.5))
+    np.testing.assert_array_less(0, np.delete(np.diff(nodes.theta), 9))
+
+    def corner(theta):
+        return np.cos(theta) + np.abs(theta - nodes.split)
+
+    values = (corner(nodes.theta) * corner(nodes.theta)[:, None])[..., None]
+    table = BsdfTable(ms.Ggx(1, 1), Dielectric(1.5), nodes, np.tile(values, (1, 3, 1, 1, 1, 8)))
+    theta = np.linspace(0.001, nodes.theta[-1], 200)
+    wi, wo = ms.direction(0.3), np.stack([np.sin(theta), 0 * theta, np.cos(theta)])
+    np.testing.assert_allclose(table.later(wi, wo)[0], corner(0.3) * corner(theta), rtol=2e-3)
 
 
 def test_an_opaque_surface_has_nothing_below(table):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.render.lights import LUMINANCE
-from msbsdf_cli.experiments.render.paths import Counts, Integrator, Shader, Shades
+from msbsdf_cli.experiments.render.paths import Counts, Integrator, Shader
 from msbsdf_cli.experiments.render.stage import Stage
 from msbsdf_cli.experiments.render.tables import TABULATED, check_tabulated, tabulated
 from msbsdf_cli.methods.protocol import UnsupportedError
@@ -82,17 +82,20 @@ class Job:
 
 
 def shader(
-    name: str, slopes: Slopes, material: Material, textured: bool, seed: int, workers: Workers
+    name: str,
+    slopes: Slopes,
+    material: Material,
+    textured: bool,
+    seed: int,
+    workers: Workers,
+    quiet: bool,
 ) -> Shader:
     """A method for both sides of a surface."""
-
-    def on_a_side(facets: Material) -> Shades:
-        if name in TABULATED:
-            return tabulated(name, slopes, facets, textured, seed, workers)
-        return METHODS[name](slopes, facets, 1)
-
-    inside = on_a_side(Dielectric(1 / material.ior)) if material.transmits else None
-    return Shader(slopes, on_a_side(material), inside)
+    if name in TABULATED:
+        return Shader(slopes, *tabulated(name, slopes, material, textured, seed, workers, quiet))
+    kind = METHODS[name]
+    inside = kind(slopes, Dielectric(1 / material.ior), 1) if material.transmits else None
+    return Shader(slopes, kind(slopes, material, 1), inside)
 
 
 def check_shades(name: str, slopes: Slopes, material: Material, texture: str = "none") -> None:
@@ -126,7 +129,7 @@ def render(
     quiet: bool,
 ) -> list[Picture]:
     """A picture by each method. Raises UnsupportedError for what a method cannot do."""
-    of_all = stage.texture is not None, settings.seed, workers
+    of_all = stage.texture is not None, settings.seed, workers, quiet
     shaders, setup = {}, {}
     for name in methods:
         started = sum(os.times()[:4])

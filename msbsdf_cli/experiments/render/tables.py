@@ -1,20 +1,22 @@
 """How tables for pictures are made: of `solve`, and of light traced on explicit surfaces."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
 
 import numpy as np
 from scipy.integrate import trapezoid
 
 from msbsdf_cli.experiments.realisations import simulate
-from msbsdf_cli.experiments.render.tabulated import Table, Tabulated
+from msbsdf_cli.experiments.render.solved import solved_table
+from msbsdf_cli.experiments.render.tabulated import Adds, Table, Tabulated
 from msbsdf_cli.experiments.resolution import plan
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.single import Single
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.renderers.tables import check, other_side
 from msbsdf_cli.results.free_paths import FreePaths
-from msbsdf_cli.run.executors import Workers, map_ordered
-from msbsdf_cli.scene import Scene, direction
+from msbsdf_cli.run.executors import Workers
+from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, lobe_bin
 from surfaces.facet import Array
@@ -28,13 +30,6 @@ TABULATED = (Solve.name, SURFACES)
 
 LEVELS = 9
 """Roughnesses of a textured table, evenly spaced from 0 on."""
-
-THETA_NODES, AZIMUTH_NODES = 20, 19
-"""Of a table of `solve`, evenly spaced."""
-STEEPEST = 1.55
-"""The largest polar angle of a table, in radians."""
-INCIDENT, OUTGOING = 8, 128
-"""Directions in which a table of `solve` is held against it."""
 
 THETA_OF_SURFACES = (0.0, 0.3, 0.6, 0.85, 1.05, 1.2, 1.32, 1.42, 1.5, 1.55)
 """Incident polar angles that are traced, in radians."""
@@ -54,37 +49,47 @@ def check_tabulated(name: str, slopes: Slopes, material: Material) -> None:
             f"the slopes of explicit surfaces are Gaussian, --slopes beckmann, not {slopes.name}"
         )
     if name != SURFACES:
-        Solve.check_supported(slopes, material)
-        if material.transmits:
-            raise UnsupportedError(
-                f"method {name} needs seconds for each pair of directions of {material.name} "
-                "facets, and a table has 10 000; walk-low-variance shades the same model"
-            )
+        check(slopes, material)
 
 
 def tabulated(
-    name: str, slopes: Slopes, material: Material, textured: bool, seed: int, workers: Workers
-) -> Tabulated:
-    """`solve` or the surfaces as a table, if textured for all roughnesses up to that of `slopes`.
-    Raises UnsupportedError for what no table is made of."""
+    name: str,
+    slopes: Slopes,
+    material: Material,
+    textured: bool,
+    seed: int,
+    workers: Workers,
+    quiet: bool,
+) -> tuple[Tabulated, Tabulated | None]:
+    """`solve` or the surfaces as a table, if textured for all roughnesses up to that of `slopes`;
+    and another for light from inside, if it goes there. Raises UnsupportedError for what no table
+    is made of."""
     check_tabulated(name, slopes, material)
     top = slopes.alpha_x
-    alphas = np.linspace(0, top, LEVELS) if textured else np.array([top])
-    rough = [replace(slopes, alpha_x=a, alpha_y=a) for a in alphas.tolist() if a > 0]
+    alphas = np.linspace(0, top, LEVELS)[1:] if textured else np.array([top])
+    rough = [replace(slopes, alpha_x=a, alpha_y=a) for a in alphas.tolist()]
+    sides = (material, other_side(material)) if material.transmits else (material,)
     if name == SURFACES:
-        levels = [_of_surfaces(of, material, seed, workers) for of in rough]
-        axes = np.array(THETA_OF_SURFACES), *_bin_axes()
+        tables: Sequence[Adds] = [_of_surfaces(rough, m, textured, seed, workers) for m in sides]
     else:
-        levels = [_of_solve(of, material, workers) for of in rough]
-        axes = _nodes(), _nodes(), np.linspace(0, np.pi, AZIMUTH_NODES)
+        table = solved_table(rough, material, textured, workers, quiet)
+        tables = [table, replace(table, within=True)][: len(sides)]
+    outside, *inside = (Tabulated(name, slopes, m, t) for m, t in zip(sides, tables, strict=True))
+    return outside, next(iter(inside), None)
+
+
+def _of_surfaces(
+    rough: list[Slopes], material: Material, textured: bool, seed: int, workers: Workers
+) -> Table:
+    """Of surfaces of ascending roughness."""
+    levels = [_level(slopes, material, seed, workers) for slopes in rough]
+    axes = np.array(THETA_OF_SURFACES), *_bin_axes()
+    alphas = np.array([0.0, *(slopes.alpha_x for slopes in rough)])
     values = np.stack([level.values for level in levels], axis=1)
-    if textured:
-        values = np.concatenate([np.zeros_like(values[:, :1]), values], axis=1)
-    else:
-        # Interpolation needs two.
-        alphas, values = np.array([0.0, top]), np.concatenate([values, values], axis=1)
+    # Without a texture all roughness has the same: interpolation needs two.
+    smooth = np.zeros_like(values[:, :1]) if textured else values
     error = max(level.error for level in levels) + _between(levels, axes)
-    return Tabulated(name, slopes, material, Table(alphas, *axes, values, error))
+    return Table(alphas, *axes, np.concatenate([smooth, values], axis=1), error)
 
 
 @dataclass(frozen=True)
@@ -108,54 +113,7 @@ def _between(levels: list[Level], axes: tuple[Array, Array, Array]) -> float:
     return float(trapezoid(out * np.sin(2 * theta_i)[:, None], theta_i, axis=1).max())
 
 
-def _nodes() -> Array:
-    return np.linspace(0, STEEPEST, THETA_NODES)
-
-
-@lru_cache(maxsize=1)
-def _solved(slopes: Slopes, material: Material) -> Solve:
-    """Kept for all rows; processes that are forked after it was made have it too."""
-    return Solve(slopes, material, 1)
-
-
-def _of_solve(slopes: Slopes, material: Material, workers: Workers) -> Level:
-    """The later orders of `solve`."""
-    _solved(slopes, material)
-    row = partial(_row, slopes, material)
-    values = np.stack(list(map_ordered(row, _nodes().tolist(), workers)), axis=1)
-    azimuth, two = np.linspace(0, np.pi, AZIMUTH_NODES), np.stack([values, values], axis=1)
-    table = Table(np.array([0.0, 1.0]), _nodes(), _nodes(), azimuth, two, 0.0)
-    return Level(values, _off(_solved(slopes, material), table))
-
-
-def _row(slopes: Slopes, material: Material, theta_i: float) -> Array:
-    """BSDF of the later orders for one incident angle, (sides, theta_o, azimuth, channels)."""
-    azimuth, sides = np.linspace(0, np.pi, AZIMUTH_NODES), (1, -1)[: 1 + material.transmits]
-    theta, phi = (a.ravel() for a in np.meshgrid(_nodes(), azimuth, indexing="ij"))
-    x, y, z = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
-    wo = np.concatenate([np.stack([x, y, side * z]) for side in sides], axis=1)
-    found = _solved(slopes, material).evaluate(direction(theta_i), wo).value[:, 1] / np.abs(wo[2])
-    return np.asarray(found.T).reshape(len(sides), THETA_NODES, AZIMUTH_NODES, -1)
-
-
-def _off(solve: Solve, table: Table) -> float:
-    """Integral over the upper hemisphere of a table's distance from `solve`, over the energy that
-    leaves, for random incident directions."""
-    rng = stream(0, "table directions")
-    off, energy = 0.0, 0.0
-    for theta in np.arccos(rng.uniform(np.cos(STEEPEST), 1, INCIDENT)).tolist():
-        z, phi = rng.random((2, OUTGOING)) * np.array([[1], [2 * np.pi]])
-        radius, wi = np.sqrt(1 - z * z), direction(theta)
-        wo = np.stack([radius * np.cos(phi), radius * np.sin(phi), z])
-        value = solve.evaluate(wi, wo).value[:, 1]
-        mine = table(1.0, np.tile(wi[:, None], OUTGOING), wo, np.zeros(OUTGOING, bool)) * z
-        off += 2 * np.pi * float(np.abs(mine - value).mean())
-        known = solve.energy(wi)
-        energy += float((known.reflected + known.transmitted).sum(axis=1).mean())
-    return off / energy
-
-
-def _of_surfaces(slopes: Slopes, material: Material, seed: int, workers: Workers) -> Level:
+def _level(slopes: Slopes, material: Material, seed: int, workers: Workers) -> Level:
     """Lobes traced on surfaces, less those of single scattering in the same bins."""
     channels = _channels(material)
     parts = [_lobes(slopes, one, seed, workers) for one in channels]

@@ -2,12 +2,12 @@
 
 A table holds what is to be added to single scattering, whose lobe may be as narrow as it likes: the
 later orders of `solve`, or what light traced on explicit surfaces does otherwise than the closed
-form. Between nodes it is linear in roughness, polar angles and azimuth; a surface of roughness 0 is
-smooth, and nothing is to be added there.
+form. That of surfaces is linear between nodes in roughness, polar angles and azimuth; a surface of
+roughness 0 is smooth, and nothing is to be added there.
 """
 
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Protocol, Self
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
@@ -24,6 +24,19 @@ WIDE = 0.25
 nothing, as in `methods.sampling`."""
 
 
+class Adds(Protocol):
+    """A table: values (channels, n) to add for lanes of light, how far it is off, and whether it
+    holds the first order too."""
+
+    @property
+    def error(self) -> float: ...
+
+    @property
+    def whole(self) -> bool: ...
+
+    def __call__(self, alpha: Array | float, wi: Array, w: Array, inside: Array) -> Array: ...
+
+
 @dataclass(frozen=True)
 class Table:
     """BSDF per steradian, without the cosine, (sides, roughness, theta_i, theta_o, azimuth,
@@ -37,6 +50,7 @@ class Table:
     values: Array
     error: float
     """What the table is off by, relative to the mean of what it stands for."""
+    whole = False
 
     def __call__(self, alpha: Array | float, wi: Array, w: Array, inside: Array) -> Array:
         """Values (channels, n) for directions (3, n) above the surface, `w` point-reflected where
@@ -63,7 +77,7 @@ class Tabulated:
     name: str
     slopes: Slopes
     material: Material
-    table: Table
+    table: Adds
 
     def of_lanes(self, slopes: Slopes, material: Material) -> Self:
         """The same for other slopes, of one roughness each. Raises UnsupportedError for two, and
@@ -77,7 +91,9 @@ class Tabulated:
     def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
         """As `Method.evaluate_each`; what a table takes away leaves nothing below 0."""
         out = outgoing(self.slopes, wo)
-        first = first_order_of_each(self.slopes, self.material, wi, out, rng)
+        first: Array | float = 0.0
+        if not self.table.whole:
+            first = first_order_of_each(self.slopes, self.material, wi, out, rng)
         reached = self.material.transmits | ~out.inside
         later = self.table(self.slopes.alpha_x, wi, out.w, out.inside & reached) * out.w[2]
         return np.maximum(first + np.where(reached, later, 0), 0)

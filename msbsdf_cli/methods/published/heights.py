@@ -38,13 +38,22 @@ def _gaussian_below(h: Array) -> Array:
     return 0.5 + 0.5 * library_erf(h / np.sqrt(h.dtype.type(2)))
 
 
+def _gaussian_inverse(u: Array) -> Array:
+    found: Array = np.sqrt(u.dtype.type(2)) * erfinv(2 * u - 1)
+    return found
+
+
+def _uniform_below(h: Array) -> Array:
+    return _clamp(0.5 * (h + 1), 0, 1)
+
+
+def _uniform_inverse(u: Array) -> Array:
+    return _clamp(2 * u - 1, -1, 1)
+
+
 HEIGHTS = {
-    "uniform": HeightDistribution(
-        lambda h: _clamp(0.5 * (h + 1), 0, 1), lambda u: _clamp(2 * u - 1, -1, 1)
-    ),
-    "gaussian": HeightDistribution(
-        _gaussian_below, lambda u: np.sqrt(u.dtype.type(2)) * erfinv(2 * u - 1)
-    ),
+    "uniform": HeightDistribution(_uniform_below, _uniform_inverse),
+    "gaussian": HeightDistribution(_gaussian_below, _gaussian_inverse),
 }
 
 

@@ -33,6 +33,8 @@ class Walks(Batch):
     inside: Array
     slot: Array
     weight: Array | None = None
+    start: Array | None = None
+    """Number of the direction that the walk starts from, where each has its own."""
 
 
 @dataclass
@@ -43,6 +45,8 @@ class Lights(Batch):
     weight: Array
     facets: Array
     """Number of facets that each has hit, (n,)."""
+    start: Array | None = None
+    """As that of `Walks`."""
 
 
 class Published(FollowsPaths):
@@ -54,7 +58,7 @@ class Published(FollowsPaths):
     """
 
     name = "published"
-    traits = Traits("#882255", "v", model="published", consistent=False, pairs=False)
+    traits = Traits("#882255", "v", model="published", consistent=False)
 
     def __init__(
         self,
@@ -85,17 +89,27 @@ class Published(FollowsPaths):
         estimate = Estimate(self.material.channels, self.orders, wo.shape[1])
         cut = 0
         for n in batches(samples, wo.shape[1]):
-            walks, order = self._arrive(wi, n), 1
-            while walks.size and order <= self.most_facets:
-                if order > self.orders and estimate.tail is None:
-                    walks = replace(walks, slot=np.arange(walks.size))
-                    estimate.open_tail(walks.size, wo.shape[1])
-                walks = self._bounce(walks, wo, order, estimate, rng)
-                order += 1
-            # Of those at their last facet some would have left.
-            cut += self._next_heights(walks, rng)[0].size if walks.size else 0
-            estimate.close_batch()
+            cut += self._shine(self._arrive(np.tile(-wi[:, None], n)), wo, estimate, rng)
         return Evaluation(*estimate.mean(samples), unresolved=cut / samples)
+
+    def evaluate_each(self, wi: Array, wo: Array, rng: np.random.Generator) -> Array:
+        estimate = Estimate(self.material.channels, 0, wo.shape[1])
+        self._shine(self._arrive(-wi, np.arange(wo.shape[1])), wo, estimate, rng)
+        return estimate.sums[:, 0]
+
+    def _shine(self, walks: Walks, wo: Array, estimate: Estimate, rng: np.random.Generator) -> int:
+        """Add what walks send towards `wo` (3, directions), or each towards that of its `start`;
+        how many of them `most_facets` cuts off."""
+        order, each = 1, 1 if walks.start is not None else wo.shape[1]
+        while walks.size and order <= self.most_facets:
+            if order > estimate.orders and estimate.tail is None:
+                walks = replace(walks, slot=np.arange(walks.size))
+                estimate.open_tail(walks.size, each, walks.start)
+            walks = self._bounce(walks, wo, order, estimate, rng)
+            order += 1
+        estimate.close_batch()
+        # Of those at their last facet some would have left.
+        return self._next_heights(walks, rng)[0].size if walks.size else 0
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Where walks leave, (3, n), and their weights; a walk that is not finite ends at the
@@ -105,45 +119,58 @@ class Published(FollowsPaths):
         order = rng.permutation(lights.facets.size)
         return lights.w[:, order], lights.weight[:, order]
 
+    def sample_each(self, wi: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        n = wi.shape[1]
+        w, weight = np.empty_like(wi), np.empty((self.material.channels, n), wi.dtype)
+        for lights in self._leave(self._arrive(-wi, np.arange(n)), rng):
+            w[:, lights.start], weight[:, lights.start] = lights.w, lights.weight
+        return w, weight
+
     def follow(self, wi: Array, n: int, rng: np.random.Generator) -> Iterator[Lights]:
         """The walks of Algorithm 3 in the order in which they end. Those that `most_facets` cuts
         off come last, with no weight left."""
-        for start in range(0, n, 4 * BLOCK):
-            walks = self._arrive(wi, min(4 * BLOCK, n - start))
-            for order in range(self.most_facets + 1):
-                walks, gone = self._next_heights(walks, rng)
-                yield self._lights(gone, order, gone.d)
-                if not walks.size or order == self.most_facets:
-                    break
-                walks = self._scatter(walks, rng)
-                bad = ~(np.isfinite(walks.d[2]) & ~np.isnan(walks.h))
-                if bad.any():
-                    self.hidden += int(bad.sum())
-                    lost = walks.compress(bad)
-                    zenith = np.zeros_like(lost.d)
-                    zenith[2] = 1
-                    yield self._lights(lost, order + 1, zenith)
-                    walks = walks.compress(~bad)
-            cut = self._lights(walks, self.most_facets, walks.d)
-            yield replace(cut, weight=0 * cut.weight)
+        for first in range(0, n, 4 * BLOCK):
+            some = min(4 * BLOCK, n - first)
+            yield from self._leave(self._arrive(np.tile(-wi[:, None], some)), rng)
+
+    def _leave(self, walks: Walks, rng: np.random.Generator) -> Iterator[Lights]:
+        """Those of `walks` in the order in which they end."""
+        for order in range(self.most_facets + 1):
+            walks, gone = self._next_heights(walks, rng)
+            yield self._lights(gone, order, gone.d)
+            if not walks.size or order == self.most_facets:
+                break
+            walks = self._scatter(walks, rng)
+            bad = ~(np.isfinite(walks.d[2]) & ~np.isnan(walks.h))
+            if bad.any():
+                self.hidden += int(bad.sum())
+                lost = walks.compress(bad)
+                zenith = np.zeros_like(lost.d)
+                zenith[2] = 1
+                yield self._lights(lost, order + 1, zenith)
+                walks = walks.compress(~bad)
+        cut = self._lights(walks, self.most_facets, walks.d)
+        yield replace(cut, weight=0 * cut.weight)
 
     def _lights(self, walks: Walks, order: int, w: Array) -> Lights:
         weight = walks.weight
         if weight is None:
             weight = np.ones((self.material.channels, walks.size), w.dtype)
-        return Lights(w, weight, np.full(walks.size, order))
+        return Lights(w, weight, np.full(walks.size, order), walks.start)
 
-    def _arrive(self, wi: Array, n: int) -> Walks:
-        h = np.repeat(self.heights.start(wi.dtype.type), n)
+    def _arrive(self, d: Array, start: Array | None = None) -> Walks:
+        n = d.shape[1]
+        h = np.repeat(self.heights.start(d.dtype.type), n)
         weight = np.ones((self.material.channels, n)) if self.material.absorbs else None
-        return Walks(np.tile(-wi[:, None], n), h, np.zeros(n, bool), np.arange(n), weight)
+        return Walks(d, h, np.zeros(n, bool), np.arange(n), weight, start)
 
     def _bounce(
         self, walks: Walks, wo: Array, order: int, estimate: Estimate, rng: np.random.Generator
     ) -> Walks:
         """One facet: next events, and who meets another."""
         staying = []
-        for block in walks.blocks(max(lanes_for(wo.shape[1]), 1)):
+        each = 1 if walks.start is not None else wo.shape[1]
+        for block in walks.blocks(lanes_for(each)):
             at, _ = self._next_heights(block, rng)
             if not at.size:
                 continue
@@ -154,7 +181,7 @@ class Published(FollowsPaths):
             good = np.isfinite(after.d[2]) & ~np.isnan(after.h)
             self.hidden += int(after.size - good.sum())
             value = np.where(finite & good[:, None], value, 0)
-            estimate.add(order, value, at.slot)
+            estimate.add(order, value, at.slot, at.start)
             staying.append(after.compress(good))
         return concatenate(staying) if staying else walks.compress(np.zeros(walks.size, bool))
 
@@ -163,53 +190,61 @@ class Published(FollowsPaths):
         side = np.where(walks.inside, -1, 1).astype(walks.d.dtype)
         U = rng.random(walks.size, dtype=walks.d.dtype.type)
         d = side * walks.d
-        leaves, h = next_height(self.heights, self._Lambda(d), d[2], side * walks.h, U)
+        Lambda_d = Lambda(self.slopes.at(walks.start), d, self.polynomial)
+        leaves, h = next_height(self.heights, Lambda_d, d[2], side * walks.h, U)
         return replace(walks, h=side * h).compress(~leaves), walks.compress(leaves)
 
-    def _Lambda(self, w: Array) -> Array:
-        return Lambda(self.slopes, w, self.polynomial)
-
     def _towards(self, walks: Walks, wo: Array, rng: np.random.Generator) -> Array:
-        """Next events (channels, n, directions): phase function times shadowing."""
-        value = np.zeros((self.material.channels, walks.size, wo.shape[1]), wo.dtype)
-        up = wo[2] > 0
+        """Next events (channels, n, directions), or (channels, n, 1) towards the direction of
+        `start`: phase function times shadowing."""
+        own = walks.start is not None
+        value = np.zeros((self.material.channels, walks.size, 1 if own else wo.shape[1]), wo.dtype)
         for inside in (False, True) if self.material.transmits else (False,):
-            lanes = np.flatnonzero(walks.inside == inside)
-            side = -1 if inside else 1
-            wi = -side * walks.d[:, lanes, None]
-            area = projected_area(self.slopes, wi)
             for above in (True, False) if self.material.transmits else (True,):
-                ends = np.flatnonzero(up == above)
+                lanes, ends, w = _ends(walks, wo, inside, above)
                 if not lanes.size or not ends.size:
                     continue
-                w = side * wo[:, None, ends]
-                phase = self._phase(wi, w, area, inside, above == inside, rng)
-                out = wo[:, ends] if above else -wo[:, ends]
+                side = -1 if inside else 1
+                slopes, material = self._at(walks, lanes)
+                wi = -side * walks.d[:, lanes, None]
+                phase = self._phase(slopes, material, wi, side * w, inside, above == inside, rng)
+                out = w if above else -w
                 h = walks.h[lanes, None] if above else -walks.h[lanes, None]
-                passes = escape(self.heights, self._Lambda(out), out[2], h)
+                Lambda_o = Lambda(slopes, out, self.polynomial)
+                passes = escape(self.heights, Lambda_o, out[2], h)
                 with np.errstate(invalid="ignore"):
                     value[:, lanes[:, None], ends] = phase * passes
         return value if walks.weight is None else value * walks.weight[:, :, None]
 
+    def _at(self, walks: Walks, lanes: Array) -> tuple[Slopes, Material]:
+        """Slopes and material that some of the walks meet, to go with arrays (n, directions)."""
+        if walks.start is None:
+            return self.slopes, self.material
+        slopes, start = self.slopes.at(walks.start[lanes]), walks.start[lanes]
+        if slopes.textured:
+            slopes = slopes.of_lanes(*(np.asarray(a)[:, None] for a in slopes.alpha))
+        return slopes, self.material.at(start)
+
     def _phase(
         self,
+        slopes: Slopes,
+        material: Material,
         wi: Array,
         wo: Array,
-        area: Array,
         inside: bool,
         through: bool,
         rng: np.random.Generator,
     ) -> Array:
         """Phase function (channels, n, directions)."""
-        eta = self.material.relative_ior(inside)
-        if not self.material.specular:
-            m, hidden = visible_normals(self.slopes, wi[:, :, 0], rng)
+        if not material.specular:
+            m, hidden = visible_normals(slopes, wi, rng)
             self.hidden += hidden
-            value = np.maximum(dot(m[:, :, None], wo), 0) / np.pi
-            return value * np.array(self.material.albedos)[:, None, None]
+            value = np.maximum(dot(m, wo), 0) / np.pi
+            return np.asarray(value * material.kept()[:, :, None])
+        area, eta = projected_area(slopes, wi), material.relative_ior(inside)
         if through:
-            return facets.transmitted(self.slopes, wi, wo, area, eta)[None]
-        value, colour = facets.reflected(self.slopes, self.material, wi, wo, area, eta)
+            return facets.transmitted(slopes, wi, wo, area, eta)[None]
+        value, colour = facets.reflected(slopes, material, wi, wo, area, eta)
         return value[None] if colour is None else value * colour
 
     def _scatter(self, walks: Walks, rng: np.random.Generator) -> Walks:
@@ -217,21 +252,32 @@ class Published(FollowsPaths):
         dtype = walks.d.dtype.type
         side = np.where(walks.inside, dtype(-1), dtype(1))
         wi = -side * walks.d
-        m, hidden = visible_normals(self.slopes, wi, rng)
+        m, hidden = visible_normals(self.slopes.at(walks.start), wi, rng)
         self.hidden += hidden
-        weight, inside = walks.weight, walks.inside
-        if not self.material.specular:
+        weight, inside, material = walks.weight, walks.inside, self.material.at(walks.start)
+        if not material.specular:
             d = facets.diffuse(m, rng)
-            gain = np.array(self.material.albedos)[:, None]
+            gain = material.kept()
         else:
-            d, gain = facets.mirror(wi, m), np.ones((self.material.channels, 1))
-            if self.material.absorbs:
-                gain = self.material.reflectance(np.clip(dot(wi, m), 0, 1))
-        if self.material.transmits:
-            eta = np.where(inside, dtype(1 / self.material.ior), dtype(self.material.ior))
+            d, gain = facets.mirror(wi, m), np.ones((material.channels, 1))
+            if material.absorbs:
+                gain = material.reflectance(np.clip(dot(wi, m), 0, 1))
+        if material.transmits:
+            eta = np.where(inside, dtype(1 / material.ior), dtype(material.ior))
             reflects = rng.random(walks.size, dtype=dtype) < facets.fresnel(dot(wi, m), eta)
             d = np.where(reflects, d, facets.refract(wi, m, eta))
             inside = inside ^ ~reflects
         if weight is not None:
             weight = weight * gain
         return replace(walks, d=side * d, inside=inside, weight=weight)
+
+
+def _ends(walks: Walks, wo: Array, inside: bool, above: bool) -> tuple[Array, Array, Array]:
+    """Walks on a side, the directions of leaving on a side that they look towards, and these as
+    arrays (3, 1, directions), or (3, n, 1) of a direction for each walk."""
+    here, there = walks.inside == inside, (wo[2] > 0) == above
+    if walks.start is None:
+        ends = np.flatnonzero(there)
+        return np.flatnonzero(here), ends, wo[:, None, ends]
+    lanes = np.flatnonzero(here & there[walks.start])
+    return lanes, np.zeros(1, int), wo[:, walks.start[lanes], None]

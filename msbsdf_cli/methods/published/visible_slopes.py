@@ -47,15 +47,15 @@ def _horner(coefficients: tuple[float, ...], x: Array) -> Array:
 
 
 def visible_normals(slopes: Slopes, wi: Array, rng: np.random.Generator) -> tuple[Array, int]:
-    """Unit normals (3, n) for directions `wi` (3, n) anywhere on the sphere, and how many of them
-    stand in for a slope that was not finite."""
-    n = wi.shape[1]
+    """Unit normals (3, ...) for directions `wi` (3, ...) anywhere on the sphere, and how many of
+    them stand in for a slope that was not finite."""
+    shape = wi.shape[1:]
     dtype = wi.dtype.type
     stretched = np.stack([slopes.alpha_x * wi[0], slopes.alpha_y * wi[1], wi[2]])
     stretched = stretched / np.sqrt((stretched * stretched).sum(axis=0))
     theta = np.arccos(stretched[2])
-    U1: Array = np.asarray(rng.random(n, dtype=dtype))
-    U2: Array = np.asarray(rng.random(n, dtype=dtype))
+    U1: Array = np.asarray(rng.random(shape, dtype=dtype))
+    U2: Array = np.asarray(rng.random(shape, dtype=dtype))
     gaussian = isinstance(slopes, Beckmann)
     x, y = beckmann_slopes(theta, U1, U2) if gaussian else ggx_slopes(theta, U1, U2)
     phi = np.arctan2(stretched[1], stretched[0])
@@ -113,7 +113,7 @@ def beckmann_slopes(theta: Array, U: Array, U2: Array) -> tuple[Array, Array]:
         unseen = (area < STEEP) | np.isnan(area)
         zenith = theta < STEEP
         x = np.zeros_like(theta)
-        lanes = np.flatnonzero(~(unseen | zenith))
+        lanes = ~(unseen | zenith)
         x[lanes] = _search(sin[lanes], cos[lanes], area[lanes], U[lanes])
         y = erfinv(2 * U2 - 1)
     x = np.where(zenith, x0, x).astype(dtype)

@@ -1,6 +1,6 @@
-"""Surfaces that transmit: the BSDF of a dielectric, one arriving direction at a time."""
+"""Surfaces that transmit: the BSDF of a dielectric."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -9,15 +9,25 @@ from msbsdf_cli.methods.solver.heights import Heights
 from msbsdf_cli.methods.solver.interpolation import InterpolatedGrid, InterpolatedModes
 from msbsdf_cli.methods.solver.nodes import SplitElevations, abscissa
 from msbsdf_cli.methods.solver.opaque import ENDS
-from msbsdf_cli.methods.solver.second_order import SecondOrder
+from msbsdf_cli.methods.solver.second_order import Arrival, SecondOrder
 from msbsdf_cli.methods.solver.slope_quadrature import SlopeQuadrature
-from msbsdf_cli.methods.solver.two_sides import TwoSides
+from msbsdf_cli.methods.solver.two_sides import Flights, TwoSides
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
 
 PANEL = 24
 """Facets between two neighbouring edges, along either axis, for energies to 1e-6."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Light from one direction."""
+
+    d: Array
+    """Direction of travel (3,)."""
+    flights: Flights
+    arrival: Arrival
 
 
 @dataclass(frozen=True)
@@ -28,28 +38,49 @@ class DielectricSolution:
     material: Material
     orders: int
     resolution: float
+    _last: dict[bytes, list[Start]] = field(default_factory=dict, compare=False, repr=False)
+    """What came from the incident directions that were asked for last."""
 
     def evaluate(self, wi: Array, wo: Array) -> tuple[Array, float]:
         """BSDF x |cos(theta_o)| from order 2 on, (1, orders + 1, n), and the energy not accounted
         for. The first order, 0 here, is in closed form."""
-        value = np.zeros((self.orders + 1, wo.shape[1]))
+        value, unresolved = self.pairs(wi[:, None], wo)
+        return value[0], unresolved
+
+    def pairs(self, wi: Array, wo: Array, some: int | None = None) -> tuple[Array, float]:
+        """The same between all of `wi` (3, m) and all of `wo` (3, n), (m, 1, orders + 1, n):
+        outgoing directions are followed back once for all of the incident ones, and these are kept
+        for the next call, also those beyond the first `some` that are asked for."""
+        starts = self._starts(wi)[:some]
+        value = np.zeros((len(starts), self.orders + 1, wo.shape[1]))
         grid, second = self._directional, self._second
-        flights, arrival = grid.follow(wi, self.orders), second.arrive(wi)
-        d = -wi[:, None]
         for side, sign in ((0, 1), (1, -1)):
             lanes = np.flatnonzero(sign * wo[2] > 0)
             for part in (lanes[i : i + ENDS] for i in range(0, lanes.size, ENDS)):
                 # Inside, light is point-reflected.
                 w = sign * wo[:, part]
                 ends, which = grid.directions.distinct(w)
-                later = grid.emerge(flights, ends, side)
-                factors = grid.directions.parting(d, w)
-                # Two facets are the last row, if no later one is asked for.
-                value[min(self.orders, 2) :, part] = np.sum(later[..., which] * factors, axis=1)
+                each = grid.emerge([start.flights for start in starts], ends, side)
+                for k, (start, later) in enumerate(zip(starts, each, strict=True)):
+                    factors = grid.directions.parting(start.d[:, None], w)
+                    summed = np.sum(later[..., which] * factors, axis=1)
+                    # Two facets are the last row, if no later one is asked for.
+                    value[k, min(self.orders, 2) :, part] = summed.T
+                arrivals = [start.arrival for start in starts]
                 for i in range(ends.shape[1]):
                     same = which == i
-                    value[1, part[same]] += second.emerge(arrival, w[:, same], ends[:, i], side)
-        return value[None], flights.unresolved
+                    value[:, 1, part[same]] += second.emerge(arrivals, w[:, same], ends[:, i], side)
+        return value[:, None], max(start.flights.unresolved for start in starts)
+
+    def _starts(self, wi: Array) -> list[Start]:
+        key = wi.tobytes()
+        if key not in self._last:
+            grid, second = self._directional, self._second
+            self._last.clear()
+            self._last[key] = [
+                Start(-w, grid.follow(w, self.orders), second.arrive(w)) for w in wi.T
+            ]
+        return self._last[key]
 
     def energy(self, wi: Array) -> Array:
         """Energy (1, sides, orders + 1) that leaves in each order for `wi` (3,)."""

@@ -18,8 +18,10 @@ from msbsdf_cli.methods.solver.heights import Heights
 from msbsdf_cli.methods.solver.nodes import SplitElevations, coordinate
 from msbsdf_cli.methods.solver.slope_quadrature import SlopeQuadrature
 from msbsdf_cli.smith.slopes import Slopes
-from surfaces.facet import Array
+from surfaces.facet import Array, dot
 from surfaces.materials import Dielectric, Material
+
+TINY = float(np.finfo(float).tiny)
 
 EDGE = 4
 """Power by which a share vanishes at an edge: products with it have continuous derivatives up to
@@ -76,13 +78,19 @@ class _Facet:
     def q(self, d: Array, w: Array) -> tuple[Array, Array]:
         """q (lanes,) in closed form, and its weight for multiple importance sampling: it has edges
         where facets point to the horizon, and no limit where light is hardly deflected, and at
-        either the half vector of length |w - d| or |d + eta w| does not rise."""
+        either the half vector of length |w - d| or |d + eta w| does not rise; others where total
+        reflection begins, or light no longer comes through."""
         interface = Dielectric(self.eta)
         if self.event == 1:
-            q, rise = interface.refraction(self.slopes, d, w), d[2] + self.eta * w[2]
+            q, h = interface.refraction(self.slopes, d, w), d + self.eta * w
+            least: Array | float = np.abs(dot(w if self.eta < 1 else d, h)) / np.sqrt(
+                np.maximum(dot(h, h), TINY)
+            )
         else:
-            q, rise = interface.reflection(self.slopes, d, w)[0], w[2] - d[2]
-        return q, q / np.maximum(np.abs(rise), np.finfo(float).tiny ** (0.5 / EDGE)) ** EDGE
+            q, h = interface.reflection(self.slopes, d, w)[0], w - d
+            # Of total reflection the square of the cosine of incidence is 1 - eta^2.
+            least = np.abs(dot(h, h) / 4 - (1 - self.eta**2)) if self.eta < 1 else 1.0
+        return q, q / np.maximum(np.abs(h[2] * least), TINY ** (0.5 / EDGE)) ** EDGE
 
 
 @dataclass(frozen=True)
@@ -112,28 +120,31 @@ class SecondOrder:
         )
         return Arrival(d, heights, (outside, inside))
 
-    def emerge(self, arrival: Arrival, w: Array, end: Array, side: int) -> Array:
-        """Order 2 times cos, (n,), along directions (3, n), upward on a side, that are `end` (3,)
-        turned about the normal."""
-        total = np.zeros(w.shape[1])
+    def emerge(self, arrivals: list[Arrival], w: Array, end: Array, side: int) -> Array:
+        """Order 2 times cos of each arrival, (arrivals, n), along directions (3, n), upward on a
+        side, that are `end` (3,) turned about the normal."""
+        total = np.zeros((len(arrivals), w.shape[1]))
         eta = self.material.ior if side == 0 else 1 / self.material.ior
         probability = self.heights.escape(self.slopes.sigma(end[:, None]) / end[2])[0]
-        turned = _turned(arrival.d[:, None], w, end)
         for event, last in enumerate(self.facets.scatter(-end, eta)):
             # Backwards: where a transmission ends, light has come from, on the other side.
             before = side if event == 0 else 1 - side
-            near, first = arrival.sides[before], _Facet(self.slopes, self.material.ior, before)
+            first = _Facet(self.slopes, self.material.ior, before)
             second = _Facet(self.slopes, eta, event)
             heights = probability if event == 0 else probability[::-1] / eta**2
-            passing, v = arrival.heights[before] @ heights, -last.w
-            from_end = last.amount * self._interpolation(v)(passing) / self._divisor(v)
-            from_start = near.amount * near.interpolation(passing)
+            v = -last.w
+            interpolation, divisor = self._interpolation(v), self._divisor(v)
             _, mis_weight_2 = second.q(-end[:, None], last.w)
-            for i in range(w.shape[1]):
-                q_1, mis_weight_1 = first.q(turned[:, i : i + 1], v)
-                total[i] += from_end @ _shared(q_1, mis_weight_1, mis_weight_2)
-                q, mis_weight = second.q(-w[:, i : i + 1], -near.v)
-                total[i] += from_start @ _shared(q, mis_weight, near.mis_weight)
+            for k, arrival in enumerate(arrivals):
+                near, turned = arrival.sides[before], _turned(arrival.d[:, None], w, end)
+                passing = arrival.heights[before] @ heights
+                from_end = last.amount * interpolation(passing) / divisor
+                from_start = near.amount * near.interpolation(passing)
+                for i in range(w.shape[1]):
+                    q_1, mis_weight_1 = first.q(turned[:, i : i + 1], v)
+                    total[k, i] += from_end @ _shared(q_1, mis_weight_1, mis_weight_2)
+                    q, mis_weight = second.q(-w[:, i : i + 1], -near.v)
+                    total[k, i] += from_start @ _shared(q, mis_weight, near.mis_weight)
         return total
 
     @cached_property

@@ -195,9 +195,9 @@ class TwoSides:
         after[:, 1] = near[:, 1] @ inside.reflected + near[:, 0, ::-1] @ outside.transmitted
         return after
 
-    def emerge(self, flights: Flights, w: Array, side: int) -> Array:
-        """Blocks (orders, blocks, rows) of the light that leaves on a side in upward directions
-        (3, rows): orders 3 to K and the rest, times cos.
+    def emerge(self, flights: list[Flights], w: Array, side: int) -> list[Array]:
+        """Blocks (orders, blocks, rows) of the light of each of `flights` that leaves on a side in
+        upward directions (3, rows): orders 3 to K and the rest, times cos.
 
         The last facet is seen from where the light goes, by reciprocity: rows from the reversed
         direction are what the nodes contribute, however sharply that depends on direction. Half
@@ -209,12 +209,14 @@ class TwoSides:
         same, other = (np.roll(r, n, axis=-1) / seen for r in (back.reflected, back.transmitted))
         other = other * self.eta(1 - side) ** 2
         probability = self.heights.escape(self.slopes.sigma(w) / w[2])
-        values = []
-        for f in (self.fly(f) for f in self._before_last(flights)):
+
+        def left(leaving: Array) -> Array:
+            f = self.fly(leaving)
             first = same @ np.swapaxes(f[:, side], -1, -2)
             second = other @ np.swapaxes(f[:, 1 - side, ::-1], -1, -2)
-            values.append(np.einsum("brh,rh->br", first + second, probability))
-        return np.stack(values)
+            return np.einsum("brh,rh->br", first + second, probability)
+
+        return [np.stack([left(f) for f in self._before_last(each)]) for each in flights]
 
     @staticmethod
     def _before_last(flights: Flights) -> list[Array]:
