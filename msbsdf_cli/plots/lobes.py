@@ -212,7 +212,7 @@ def _title(lobes: Lobes, row: int, side: int) -> str:
 
 def _grid(rows: int, maps: int) -> tuple[Any, Any]:
     """Axes for a slice and `maps` hemisphere maps in each row."""
-    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.42, 0.72), right=0.45)
+    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.2, 0.72), right=0.45)
 
 
 def _map_trio(
@@ -274,12 +274,14 @@ def _map(axis: Any, density: Array, top: float, title: str, signed: bool = False
         norm=norm if signed else PowerNorm(0.5, 0, scale),
         interpolation="nearest",
     )
-    axis.set_title(title)
+    # A bar for what may be of either sign; that of a density is its two ends in words.
+    axis.set_title(title if signed else f"{title}\n0 to {top:.2g}")
     axis.axis("off")
-    bar = axis.figure.colorbar(drawn, cax=axis.inset_axes((1.02, 0.15, 0.05, 0.7)))
-    bar.set_ticks([-scale, 0, scale] if signed else [0, scale / 4, scale])
-    bar.ax.set_yticklabels([f"{x:.2g}" for x in bar.get_ticks()], fontsize=5.5)
-    bar.ax.minorticks_off()
+    if signed:
+        bar = axis.figure.colorbar(drawn, cax=axis.inset_axes((1.02, 0.15, 0.05, 0.7)))
+        bar.set_ticks([-scale, 0, scale], labels=[f"{x:.2g}" for x in (-scale, 0, scale)])
+        bar.ax.tick_params(labelsize=5.5)
+        bar.ax.minorticks_off()
 
 
 def _disc() -> Array:

@@ -14,6 +14,8 @@ plt.rcParams.update(
     {
         "font.size": 8,
         "axes.titlesize": 8,
+        # At a place of its own, or it is sought for anew whenever anything is drawn.
+        "axes.titley": 1.0,
         "axes.labelsize": 8,
         "legend.fontsize": 7,
         "xtick.labelsize": 7,
