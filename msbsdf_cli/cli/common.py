@@ -38,6 +38,20 @@ def scene_from(options: dict[str, Any], slopes: Slopes | None = None) -> Scene:
     )
 
 
+def check_memory(scene: Scene, options: dict[str, Any]) -> None:
+    """Refuse, by click.UsageError, --memory of surfaces that are not Gaussian."""
+    if options["memory"] and scene.slopes.name != "beckmann":
+        raise click.UsageError(
+            f"--memory {options['memory']} beside --slopes {scene.slopes.name}: a walk remembers "
+            "facets of Gaussian surfaces, whose slopes are beckmann."
+        )
+    if options["memory"] and options["heights"] != "gaussian":
+        raise click.UsageError(
+            f"--memory {options['memory']} beside --heights {options['heights']}: heights of the "
+            "surfaces that a walk remembers are gaussian."
+        )
+
+
 def material_from(options: dict[str, Any]) -> Material:
     """The facets' material; raises click.UsageError for options that describe none."""
     kind = material(options["material"])

@@ -27,7 +27,7 @@ Pictures = list[Callable[[], None]]
 
 @click.command("compare")
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
-@use(MODEL[0], "slopes", "gamma", *MODEL_OF_SURFACES[2:], "orders", "method")
+@use(MODEL[0], "slopes", "gamma", *MODEL_OF_SURFACES[2:], "orders", "method", "memory")
 @samples(None)
 @use(
     "heights-of",
@@ -49,9 +49,10 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
 
     RUN is the directory of a report of `simulate` or `walk`; what is not given is run, for the
     same scene. Writes agreement.csv and pictures, and the reports that it made as directories.
-    With --method, the lobes of other methods are held against the surfaces instead of the walk.
-    With several --autocorrelation, the walk is held against surfaces of each, which it cannot tell
-    apart, and spectra.png shows how far its multiple bounces are off.
+    With --method, the lobes of other methods are held against the surfaces instead of the walk;
+    with --memory 1, a walk that remembers the last facet is. With several --autocorrelation, the
+    walk is held against surfaces of each, which Smith's cannot tell apart, and spectra.png shows
+    how far its multiple bounces are off.
 
     With --surface, says what part of the difference from your surface comes from the slope
     distribution, which is fitted to it (the best one, or that of --slopes), what part from heights
@@ -123,6 +124,9 @@ def take_runs(names: tuple[str, ...], options: dict[str, Any]) -> dict[str, Any]
                 "are compared."
             )
         handed[run.kind] = run
+        if run.kind == "simulate" and options["memory"]:
+            # A walk remembers the surface on which light was traced.
+            options["autocorrelation"] = record["options"]["autocorrelation"]
         source = click.get_current_context().get_parameter_source
         for option in OF_RANDOM if run.kind == "simulate" else ():
             if source(option.replace("-", "_")) is click.core.ParameterSource.COMMANDLINE:
@@ -191,6 +195,7 @@ def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report:
     from msbsdf_cli.experiments.resolution import LEAST_RAYS
 
     refuse_mesh(options)
+    common.check_memory(scene, options)
     warnings, efforts, resolution = [], [], None
     if "simulate" not in handed:
         resolution = simulate.resolve(scene, options)
@@ -203,6 +208,8 @@ def prepare(scene: Any, options: dict[str, Any], handed: dict[str, Any], report:
         options["method"] = common.methods_for(scene, options["method"])
         warnings += common.method_warnings([scene], options["method"])
         efforts.append(effort_of_methods(scene, options))
+    elif "walk" in handed and options["memory"]:
+        raise click.UsageError("--memory replaces the walk; leave out its report, or --memory.")
     elif "walk" not in handed:
         warnings += common.facet_warnings(scene)
         efforts.append(walk.effort(scene, options))

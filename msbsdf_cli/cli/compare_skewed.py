@@ -20,6 +20,8 @@ def compare(options: dict[str, Any]) -> None:
     from surfaces.describe import Description
     from surfaces.describe.fits import fits
 
+    if options["memory"]:
+        raise click.UsageError("--memory beside --heights-of: it is for Gaussian surfaces.")
     if options["method"] is not None:
         raise click.UsageError("--method beside --heights-of: its parts are those of the walk.")
     beckmann = common.scene_from(options | {"slopes": "beckmann"})

@@ -18,6 +18,8 @@ def check_options(runs: tuple[str, ...], options: dict[str, Any]) -> None:
         raise click.UsageError(f"reports {beside} surfaces of each of them are simulated.")
     if options["method"] is not None:
         raise click.UsageError(f"--method {beside} it is the walk that is held against them.")
+    if options["memory"]:
+        raise click.UsageError(f"--memory {beside} that walk is another one for each of them.")
     if options["heights_of"] != "gaussian":
         raise click.UsageError(f"--heights-of {beside} one is varied at a time.")
     if options["save_mesh"] is not None:

@@ -26,6 +26,10 @@ def check_options(runs: tuple[str, ...], options: dict[str, Any]) -> None:
         raise click.UsageError("reports beside --surface: light is traced on the surface itself.")
     elif options["method"] is not None:
         raise click.UsageError("--method beside --surface: its parts are those of the walk.")
+    elif options["memory"]:
+        raise click.UsageError("--memory beside --surface: it is for Gaussian surfaces.")
+    if options["memory"] and options["method"] is not None:
+        raise click.UsageError("--memory beside --method: there it is the method walk-memory.")
     if _given("gamma") and options["slopes"] != "student-t":
         raise click.UsageError("--gamma without --slopes student-t: no other slopes have one.")
 

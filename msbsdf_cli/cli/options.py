@@ -380,6 +380,13 @@ _OPTIONS: dict[str, Any] = {
         default="gaussian",
         help="Distribution of the heights: gaussian, or of skewness S (1): ridges:S, pits:S.",
     ),
+    "memory": dict(
+        type=click.IntRange(0, 1),
+        default=0,
+        metavar="K",
+        help="Facets that a walk remembers: 0 is the Smith model; 1: heights are those of a "
+        "Gaussian surface of --autocorrelation, given the last facet.",
+    ),
     "waves": dict(
         type=Count(most=1_000_000),
         metavar="N",

@@ -34,6 +34,13 @@ from msbsdf_cli.cli.options import MODEL, REPORT, RESOLUTION, Count, samples, us
     help="Trace explicit surfaces, for the distance of the models from them.",
 )
 @click.option(
+    "--against",
+    type=click.Choice(["smith", "surfaces"]),
+    default="smith",
+    show_default=True,
+    help="What errors are against: the Smith model solved, or traced surfaces (Beckmann).",
+)
+@click.option(
     "--rays",
     type=Count(),
     default="1e6",
@@ -47,7 +54,8 @@ def command(**options: Any) -> None:
 
     Each method goes from few walks to --samples, solve from coarse to fine. Errors are measured
     against the Smith model solved; how far that itself is from explicit surfaces is drawn as the
-    floor below which no effort on the model pays.
+    floor below which no effort on the model pays. With --against surfaces that distance is part of
+    the error: methods of the Smith model stop at it, and walk-memory goes on below.
     """
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
@@ -56,6 +64,12 @@ def command(**options: Any) -> None:
     from msbsdf_cli.plots.tradeoff import draw_tradeoff
 
     scene = common.scene_from(options)
+    traceable = options["surfaces"] and scene.slopes.name == "beckmann"
+    if options["against"] == "surfaces" and not traceable:
+        raise click.UsageError(
+            "--against surfaces is for Beckmann slopes, whose surfaces are traced, and not with "
+            "--no-surfaces."
+        )
     options["method"] = common.methods_for(scene, options["method"])
     if options["replicates"] is None:
         options["replicates"] = affordable(options)
@@ -101,7 +115,7 @@ def settings_from(scene: Any, options: dict[str, Any]) -> Any:
         if options["realisations"] is None:
             resolution = replace(resolution, realisations=max(resolution.realisations, SURFACES))
     same = ("samples", "replicates", "directions", "qmc", "rays", "seed", "threads", "quiet")
-    amounts = {name: options[name] for name in same}
+    amounts = {name: options[name] for name in (*same, "against")}
     return Settings(methods=options["method"], resolution=resolution, **amounts)
 
 
@@ -128,7 +142,6 @@ def tables(result: Any) -> dict[str, Any]:
 
 def in_words(result: Any) -> dict[str, Any]:
     """What run.json says of it: the reference, and what the chart says at a glance."""
-    from msbsdf_cli.cli.terminal import measured
     from msbsdf_cli.experiments.tradeoff.time_to_accuracy import (
         sentences,
         tenfold,
@@ -137,15 +150,14 @@ def in_words(result: Any) -> dict[str, Any]:
 
     found = times_to_accuracy(result.rows)
     said = sentences(found) + tenfold(found)
-    smith = [f for f in result.floors if (f.floor, f.model) == ("model", "smith")]
+    smith, memory = (_apart(result.floors, model) for model in ("smith", "memory"))
     if smith:
-        apart = ", ".join(
-            f"{measured(f.relative_rmse, f.stderr)} at theta {f.theta_i_rad:.4g}" for f in smith
-        )
         said.append(
-            f"Distance of the Smith model from explicit surfaces: {apart}. A smaller error "
+            f"Distance of the Smith model from explicit surfaces: {smith}. A smaller error "
             "against the model is wasted there."
         )
+    if memory:
+        said.append(f"That of the walk that remembers the last facet: {memory}.")
     truth = result.truth
     reference = {
         "method": truth.method,
@@ -155,6 +167,17 @@ def in_words(result: Any) -> dict[str, Any]:
         "seconds": truth.seconds,
     }
     return {"reference": reference, "summary": "\n".join(said)}
+
+
+def _apart(floors: list[Any], model: str) -> str:
+    """How far a model is from the surfaces, angle by angle; nothing where that was not measured."""
+    from msbsdf_cli.cli.terminal import measured
+
+    return ", ".join(
+        f"{measured(f.relative_rmse, f.stderr)} at theta {f.theta_i_rad:.4g}"
+        for f in floors
+        if (f.floor, f.model) == ("model", model)
+    )
 
 
 FIRST_ORDER_S = 1.5e-4

@@ -10,9 +10,22 @@ from msbsdf_cli.cli.options import FREE_PATH, MODEL, OF_FILE, REPORT, samples, u
 @click.command("walk")
 @use(MODEL[0], "slopes-or-surface", *MODEL[2:], "orders")
 @samples("4e6")
-@use("max-order", *FREE_PATH, "surface", *OF_FILE, "seed", "threads", "precision", *REPORT)
+@use(
+    "memory",
+    "autocorrelation",
+    "max-order",
+    *FREE_PATH,
+    "surface",
+    *OF_FILE,
+    "seed",
+    "threads",
+    "precision",
+    *REPORT,
+)
 def command(**options: Any) -> None:
-    """Run the Smith random walk: no surface, only its statistics.
+    """Run the random walk of the Smith model: no surface, only its statistics.
+
+    With --memory 1 it remembers the last facet, and follows surfaces more closely.
 
     Writes energies per order, moments, lobes and free paths, with standard errors.
     """
@@ -24,8 +37,11 @@ def command(**options: Any) -> None:
     own_surface.check_options(options)
     if options["surface"] is None:
         scene = common.scene_from(options)
+        common.check_memory(scene, options)
         report = Report("walk", scene.slug(), options)
     else:
+        if options["memory"]:
+            raise click.UsageError("--memory beside --surface: it is for Gaussian surfaces.")
         report = own_surface.report("walk", options)
         scene = own_surface.scene_of_slopes(options, report)
     free_paths = common.free_paths_from(options, options["heights"])
@@ -44,12 +60,21 @@ def effort(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
 
     seconds, facets = pilot(scene)
     walks = options["samples"] * len(scene.theta)
+    if options["memory"]:
+        seconds *= MEMORY_TAKES
     return options["samples"] * seconds, f"{walks:.2g} walks of {facets:.2g} facets in the mean"
+
+
+MEMORY_TAKES = 10
+"""Times as long a walk that remembers takes, about."""
 
 
 def run(scene: Any, free_paths: Any, options: dict[str, Any]) -> Any:
     """Walk."""
+    from msbsdf_cli.experiments.walk import remembered_surface
     from msbsdf_cli.experiments.walks import walk
 
     names = ("heights", "seed", "threads", "precision", "max_order", "quiet")
-    return walk(scene, options["samples"], free_paths, *(options[name] for name in names))
+    surface = remembered_surface(scene.slopes, options["memory"], options["autocorrelation"])
+    how = *(options[name] for name in names), surface
+    return walk(scene, options["samples"], free_paths, *how)

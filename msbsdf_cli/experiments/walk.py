@@ -1,4 +1,4 @@
-"""The Smith random walk for one incident direction."""
+"""The random walk for one incident direction: Smith's, or one that remembers the last facet."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,9 +9,12 @@ from msbsdf_cli.checks import count, direction_in
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.result import Result
 from msbsdf_cli.run.executors import Workers, map_ordered
+from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
+from surfaces.light import Light
+from surfaces.spectrum import Spectrum, spectrum
 from surfaces.streams import stream
 
 WALKS = 1 << 18
@@ -32,25 +35,58 @@ class WalkJob:
     index: int
     part: int
     max_order: int
+    memory: Spectrum | None = None
+    """Of the surface that is remembered; None: Smith, who remembers nothing."""
+
+    def lights(self) -> Iterator[Light]:
+        """The light that leaves."""
+        rng = stream(self.seed, "walk", self.index, self.part)
+        walks = self.model.slopes, self.model.material, self.wi, self.walks, rng, self.max_order
+        if self.memory is None:
+            return random_walk(*walks)
+        # Not above: few walks need what it is made of.
+        from msbsdf_cli.memory import walk as with_memory
+
+        return with_memory.random_walk(with_memory.Memory.of(self.memory), *walks)
+
+
+def remembered_surface(slopes: Slopes, memory: int, autocorrelation: str) -> Spectrum | None:
+    """The spectrum of the surface that walks remember `memory` facets of; None for 0. Raises
+    ValueError where there is none."""
+    if memory not in (0, 1):
+        raise ValueError(f"memory is {memory}: 0, or 1 for the last facet.")
+    if memory == 0:
+        return None
+    if slopes.name != "beckmann":
+        raise ValueError(
+            f"the slopes are {slopes.name}: a walk remembers facets of Gaussian surfaces, whose "
+            "slopes are beckmann."
+        )
+    return spectrum(autocorrelation)
 
 
 def run_walks(job: WalkJob) -> tuple[int, Tally]:
     """The index of a job's direction, and the tally of its walks."""
-    rng = stream(job.seed, "walk", job.index, job.part)
     tally = Tally(job.orders)
-    slopes, material = job.model.slopes, job.model.material
-    for light in random_walk(slopes, material, job.wi, job.walks, rng, job.max_order):
+    for light in job.lights():
         tally.add(light)
     return job.index, tally
 
 
 def jobs(
-    model: Smith, wi: Array, samples: int, orders: int, seed: int, max_order: int, index: int = 0
+    model: Smith,
+    wi: Array,
+    samples: int,
+    orders: int,
+    seed: int,
+    max_order: int,
+    index: int = 0,
+    memory: Spectrum | None = None,
 ) -> Iterator[WalkJob]:
     """The parts of `samples` walks."""
     for part, start in enumerate(range(0, samples, WALKS)):
         walks = min(WALKS, samples - start)
-        yield WalkJob(model, wi, orders, walks, seed, index, part, max_order)
+        yield WalkJob(model, wi, orders, walks, seed, index, part, max_order, memory)
 
 
 def walk(
@@ -62,9 +98,13 @@ def walk(
     max_order: int = 10_000,
     precision: str = "float64",
     executor: Workers | None = None,
+    memory: int = 0,
+    autocorrelation: str = "gaussian",
 ) -> Result:
     """Follow `samples` random walks from the unit vector `wi` (3,), z > 0 ([HHdD16] Algorithm 7).
 
+    With `memory` 1 heights are those of a Gaussian surface of this `autocorrelation`, as far as the
+    last facet tells of them (`msbsdf_cli.memory`); with 0, Smith's, who takes them as independent.
     What is still under way after `max_order` facets counts as unresolved. `executor` is anything
     with `submit`, or a number of processes; without it the walks run here. The numbers depend on
     `seed` alone. Raises ValueError for what is out of range.
@@ -72,8 +112,9 @@ def walk(
     wi = direction_in(wi).astype(np.dtype(precision))
     samples, orders = count(samples, "samples"), count(orders, "orders")
     seed, max_order = count(seed, "seed", 0), count(max_order, "max_order")
+    remembered = remembered_surface(model.slopes, memory, autocorrelation)
     total = Tally(orders)
-    parts = jobs(model, wi, samples, orders, seed, max_order)
+    parts = jobs(model, wi, samples, orders, seed, max_order, memory=remembered)
     for _, tally in map_ordered(run_walks, parts, executor or 1):
         total.merge(tally)
     settings = model.settings() | {
@@ -82,5 +123,7 @@ def walk(
         "max_order": max_order,
         "precision": precision,
     }
+    if remembered is not None:
+        settings |= {"memory": memory, "autocorrelation": autocorrelation}
     rays = np.array([total.rays, total.rays])
     return Result("walk", settings, (seed,), total.sums, rays, total.facets)

@@ -20,6 +20,7 @@ PLACES = {
     "energy-compensated": ("energy_compensated", "EnergyCompensated"),
     "turquin": ("turquin", "Turquin"),
     "published": ("published.method", "Published"),
+    "walk-memory": ("walk_memory", "WalkMemory"),
 }
 """Module in this package and class of each method."""
 

@@ -1,7 +1,7 @@
 """Sampling by random walks, and densities that stand in for the unknown one of such samples."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from msbsdf_cli.methods.walks import sample_each
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
 from surfaces.facet import Array
+from surfaces.light import Light
 from surfaces.materials import Material
 
 MULTIPLE_SHARE = 0.25
@@ -25,20 +26,27 @@ def sample_walk(
 ) -> tuple[Array, Array]:
     """Directions (3, n) in which random walks leave and the energy (channels, n) they have left.
 
-    The walk is a perfect sampler of its own expectation ([HHdD16] Section 9). Lights come
-    sorted by order and are shuffled, so that any part of the samples is a fair one.
+    The walk is a perfect sampler of its own expectation ([HHdD16] Section 9).
     """
-    parts = list(random_walk(slopes, material, wi, n, rng, sys.maxsize))
+    return shuffled(random_walk(slopes, material, wi, n, rng, sys.maxsize), material, rng)
+
+
+def shuffled(
+    lights: Iterable[Light], material: Material, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Directions (3, n) and energies (channels, n) of light that comes sorted by order, so that any
+    part of it is a fair one."""
+    parts = list(lights)
     w = np.concatenate([light.w for light in parts], axis=1)
-    full = np.ones((material.channels, 1), wi.dtype)
+    full = np.ones((material.channels, 1), w.dtype)
     weights = [
         np.broadcast_to(
             full if light.weight is None else light.weight, (len(full), light.w.shape[1])
         )
         for light in parts
     ]
-    shuffled = rng.permutation(w.shape[1])
-    return w[:, shuffled], np.concatenate(weights, axis=1)[:, shuffled]
+    order = rng.permutation(w.shape[1])
+    return w[:, order], np.concatenate(weights, axis=1)[:, order]
 
 
 def broadened_pdf(slopes: Slopes, material: Material, wi: Array, wo: Array) -> Array:

@@ -18,6 +18,8 @@ class Traits:
     reciprocal: bool = True
     correlated: bool = True
     """Whether the first order has height-correlated masking and shadowing."""
+    smith_first: bool = True
+    """Whether the first order is that of independent heights, which has closed forms."""
     consistent: bool = True
     """Whether samples and values, both orders of arguments and all directions are of one model, so
     that `validate` can hold it to identities; fits and thresholds are not."""

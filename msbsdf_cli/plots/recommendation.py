@@ -19,7 +19,7 @@ MARKS = {
 }
 """Marker, colour and words of a verdict."""
 
-SHORT = {"energy-compensated": "Kulla-Conty", "turquin": "Turquin"}
+SHORT = {"energy-compensated": "Kulla-Conty", "turquin": "Turquin", "walk-memory": "memory"}
 """Methods by their authors, who have shorter names."""
 
 MOST_AFTER = 1

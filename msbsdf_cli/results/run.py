@@ -51,7 +51,12 @@ class Run:
         """The light that left, with standard errors."""
         scene, transmits = self.scene, self.scene.material.transmits
         light = self.tallies, self.lobe_groups, self.free_paths
-        return lobes_of(self.kind, scene.theta, scene.phi, transmits, *light)
+        return lobes_of(self.label, scene.theta, scene.phi, transmits, *light)
+
+    @property
+    def label(self) -> str:
+        """`simulate`, `walk`, or `walk-memory` for walks that remember facets."""
+        return f"{self.kind}-memory" if self.notes.get("memory") else self.kind
 
     @property
     def same_scene(self) -> Scene:

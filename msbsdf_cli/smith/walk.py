@@ -11,6 +11,7 @@ lines serve both sides.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -66,7 +67,7 @@ def random_walk(
             survivors.append(staying)
     lanes = concatenate(survivors)
     if lanes.size:
-        yield _leave(lanes, max_order, resolved=False)
+        yield leave(lanes, max_order, resolved=False)
 
 
 def exponential(n: int, rng: np.random.Generator, dtype: type) -> Array:
@@ -123,25 +124,35 @@ def _bounce(
     if gain is not None and lanes.weight is not None:
         after.weight = np.broadcast_to(lanes.weight * gain, (material.channels, n))
     if transmitted is not None and lanes.inside is not None and lanes.sequence is not None:
-        d *= _sign(transmitted, dtype)
+        d *= sign(transmitted, dtype)
         after.t = np.where(transmitted, flip(t), t)
         after.inside = lanes.inside ^ transmitted
         after.sequence = append_event(lanes.sequence, transmitted)
     leaves, t_next = free_path(after.t, d, slopes.sigma(d), exponential(n, rng, dtype))
-    light = _leave(after.compress(leaves), order)
+    light = leave(after.compress(leaves), order)
     after.t = t_next
     return light, after.compress(~leaves)
 
 
-def _leave(lanes: Lanes, order: int, resolved: bool = True) -> Light:
+class Leaving(Protocol):
+    """What is known of walks that leave: `Lanes`, or those of a walk that remembers."""
+
+    d: Array
+    weight: Array | None
+    inside: Array | None
+    sequence: Array | None
+
+
+def leave(lanes: Leaving, order: int, resolved: bool = True) -> Light:
+    """Light of walks after their facet of number `order`."""
     w = lanes.d
     if lanes.inside is not None:
-        w = w * _sign(lanes.inside, w.dtype.type)
+        w = w * sign(lanes.inside, w.dtype.type)
     return Light(order, w, lanes.weight, lanes.inside, lanes.sequence, resolved)
 
 
-def _sign(turned: Array, dtype: type) -> Array:
+def sign(turned: Array, dtype: type) -> Array:
     """-1 where lanes are `turned`, and 1 elsewhere; `np.where` costs ten times as much of a choice
     that nothing predicts."""
-    sign: Array = dtype(1) - dtype(2) * turned
-    return sign
+    signs: Array = dtype(1) - dtype(2) * turned
+    return signs

@@ -12,10 +12,13 @@ from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import j0
+from scipy.special import j0, j1, jv
 
 from surfaces.facet import Array
 from surfaces.quadrature import gauss
+
+LEAST_PHASE = 0.5
+"""Below, the recurrence of Bessel functions loses digits, and they are asked for one by one."""
 
 NODES = 400
 """Between kinks of a spectrum: some for each wave of its autocorrelation at 20 lengths."""
@@ -73,6 +76,24 @@ class Spectrum(ABC):
         """Of heights, distances `r` (n,) apart."""
         wave, share = self._nodes
         return np.asarray(j0(np.multiply.outer(r, wave)) @ share)
+
+    def derivatives(self, r: Array) -> Array:
+        """The autocorrelation at distances `r` (n,) and its first four derivatives, (5, n)."""
+        wave, share = self._nodes
+        phase = np.multiply.outer(r, wave)
+        J = [j0(phase), j1(phase)]
+        small = phase < LEAST_PHASE
+        for n in range(1, 4):
+            J.append((2 * n) / np.maximum(phase, LEAST_PHASE) * J[n] - J[n - 1])
+            J[-1][small] = jv(n + 1, phase[small])
+        bends = (
+            J[0],
+            -J[1],
+            (J[2] - J[0]) / 2,
+            (3 * J[1] - J[3]) / 4,
+            (3 * J[0] - 4 * J[2] + J[4]) / 8,
+        )
+        return np.stack([bend @ (share * wave**n) for n, bend in enumerate(bends)])
 
     @cached_property
     def correlation_length(self) -> float:

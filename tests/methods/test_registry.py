@@ -5,7 +5,7 @@ import pytest
 from spheres import direction, hemisphere, sphere
 
 from msbsdf_cli.methods.protocol import UnsupportedError
-from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.methods.registry import METHODS, holds
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
 from surfaces.facet import reflect
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material, Scattered
@@ -112,6 +112,8 @@ def test_solve_offers_no_samples():
 def test_densities_are_densities(name):
     w, solid_angle = hemisphere(48)
     for slopes in (Beckmann(0.6, 0.6), Ggx(1, 0.5)):
+        if not holds(name, slopes, Conductor()):
+            continue  # Of Gaussian surfaces only.
         method = METHODS[name](slopes, Conductor(), 2)
         total = (method.pdf(direction(0.9, 0.2), w) * solid_angle).sum()
         # What the first facet sends below the horizon is missing.

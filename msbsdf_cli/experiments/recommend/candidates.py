@@ -49,6 +49,13 @@ COMPENSATED = ("turquin", "energy-compensated")
 """Methods that replace all later bounces, the cheaper first."""
 
 
+MEMORY = "walk-memory"
+"""The method that follows all bounces and remembers facets; a candidate against surfaces only."""
+
+MEMORY_COSTS = 9
+"""Facets that a walk meets in the time in which one that remembers meets one."""
+
+
 @dataclass(frozen=True)
 class Candidate:
     """A model, and its greatest errors over the roughnesses, angles and channels of a surface."""
@@ -76,7 +83,12 @@ class Candidate:
     @property
     def follows_all(self) -> bool:
         """Whether it is the Smith model itself, of all bounces."""
-        return self.bounces == 0 and self.method not in COMPENSATED
+        return self.bounces == 0 and self.method not in (*COMPENSATED, MEMORY)
+
+    @property
+    def cost(self) -> float:
+        """In facets of the Smith walk."""
+        return self.facets * (MEMORY_COSTS if self.method == MEMORY else 1)
 
     @classmethod
     def of(

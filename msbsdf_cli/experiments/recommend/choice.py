@@ -127,7 +127,7 @@ def judged(
 ) -> Recommendation:
     """The verdict on candidates, the cheapest first; or why there are none."""
     try:
-        found = sorted(candidates(), key=lambda c: (c.facets, c.bounces != 1, c.error))
+        found = sorted(candidates(), key=lambda c: (c.cost, c.bounces != 1, c.error))
     except (UnsupportedError, ArithmeticError) as reason:
         return Recommendation(surface, [], [], str(reason))
     return Recommendation(surface, found, _verdicts(found, wanted.tolerance))

@@ -2,7 +2,7 @@
 
 import time
 
-from msbsdf_cli.experiments.recommend.candidates import COMPENSATED, Candidate
+from msbsdf_cli.experiments.recommend.candidates import COMPENSATED, MEMORY, Candidate
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.scene import direction
@@ -20,7 +20,7 @@ def costs_ns(surface: SceneSurface, candidates: list[Candidate]) -> list[float]:
     found = []
     each: dict[str, float] = {}
     for c in candidates:
-        closed = c.bounces == 1 or c.method in COMPENSATED
+        closed = c.bounces == 1 or c.method in (*COMPENSATED, MEMORY)
         name = c.method if closed else "a facet"
         if name not in each:
             each[name] = sample_ns(c.method, surface) if closed else facet_ns(surface)

@@ -23,6 +23,7 @@ from msbsdf_cli.statistics.distances import Histogram
 from msbsdf_cli.statistics.tally import Estimate
 from surfaces.facet import Array
 from surfaces.materials import Material
+from surfaces.spectrum import Spectrum
 from surfaces.streams import stream
 
 MAX_ORDER = 10_000
@@ -57,9 +58,12 @@ class Light:
         return Histogram(self.lobe.value[part].sum(axis=0), np.sqrt(square))
 
 
-def walked(scene: Scene, walks: int, seed: int) -> list[list[Light]]:
-    """Light of the Smith model, by random walks: for each angle, for each channel."""
-    how = walks, _no_paths(), "gaussian", seed, 1, "float64", MAX_ORDER, True
+def walked(
+    scene: Scene, walks: int, seed: int, memory: Spectrum | None = None
+) -> list[list[Light]]:
+    """Light of the Smith model, or of one with `memory`, by random walks: for each angle, for each
+    channel."""
+    how = walks, _no_paths(), "gaussian", seed, 1, "float64", MAX_ORDER, True, memory
     return _by_angle([walk(one, *how).lobes() for one in _channels(scene)])
 
 

@@ -3,7 +3,12 @@
 import numpy as np
 
 from msbsdf_cli.experiments.recommend.apart import Apart, by_lobe
-from msbsdf_cli.experiments.recommend.candidates import COMPENSATED, Candidate, doubt
+from msbsdf_cli.experiments.recommend.candidates import (
+    COMPENSATED,
+    MEMORY,
+    Candidate,
+    doubt,
+)
 from msbsdf_cli.experiments.recommend.cases import (
     ORDERS,
     Case,
@@ -28,6 +33,7 @@ from msbsdf_cli.run.executors import Workers
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.distances import Histogram
 from surfaces.facet import Array
+from surfaces.spectrum import GAUSSIAN
 
 WALKS_OF_RAYS = 2
 """Walks for each ray: a walk is cheaper, and its noise is to be the lesser one."""
@@ -36,8 +42,8 @@ SLOPES = "beckmann"
 """Of a surface that is the sum of many waves."""
 
 SURFACES_PER_S = 9.0
-RAYS_PER_S = 0.4e6
-"""Rough rates of one core, making meshes of three finenesses included."""
+RAYS_PER_S = 0.3e6
+"""Rough rates of one core, making meshes of three finenesses, and walks, included."""
 
 
 def against_surfaces(
@@ -55,6 +61,7 @@ def against_surfaces(
     for scene in scenes(surface):
         truth = traced(scene, rays, seed, workers)
         model = walked(scene, WALKS_OF_RAYS * rays, seed)
+        remembered = walked(scene, WALKS_OF_RAYS * rays, seed, GAUSSIAN)
         names = [n for n in COMPENSATED if holds(n, scene.slopes, scene.material)]
         instead = {name: replaced(name, scene) for name in names}
         for i, theta in enumerate(scene.theta):
@@ -62,6 +69,9 @@ def against_surfaces(
             solved.append(case)
             for n in (*range(1, ORDERS + 1), 0):
                 apart.setdefault(("", n), []).append(_truncated(case, n, model[i], truth[i]))
+            with_memory = _case(one_angle(scene, theta), remembered[i])
+            found = _truncated(with_memory, 0, remembered[i], truth[i])
+            apart.setdefault((MEMORY, 0), []).append(found)
             for name in names:
                 found = _compensated(case, instead[name][i], model[i], truth[i])
                 apart.setdefault((name, 0), []).append(found)
@@ -71,7 +81,7 @@ def against_surfaces(
         # A method that does not hold for each roughness is no candidate.
         if len(each) == len(solved):
             method = name or ("single" if n == 1 else walk)
-            met = 1.0 if name else float(cost[n - 1])
+            met = 1.0 if name in COMPENSATED else float(cost[n - 1])
             candidates.append(Candidate.of(method, n, met, each, scale))
     return candidates
 

@@ -120,8 +120,9 @@ def _energy_errors(
     assert figures.energy is not None
     assert figures.stderr is not None
     energy, stderr = figures.energy, figures.stderr
-    first, first_error = truth.first(traits.correlated)
-    yield "first order", energy[0] - first, float(np.hypot(stderr[0], first_error))
+    if traits.smith_first:
+        first, first_error = truth.first(traits.correlated)
+        yield "first order", energy[0] - first, float(np.hypot(stderr[0], first_error))
     if traits.conserves_energy:
         yield "samples", figures.sampled - truth.total, figures.sampled_stderr
     if _narrow(truth, traits):

@@ -165,6 +165,36 @@ def with_front(rows: list[Row]) -> list[Row]:
     return [replace(r, pareto=bool(first)) for r, first in zip(rows, front, strict=True)]
 
 
+def against_surfaces(rows: list[Row], found: list[Distance]) -> list[Row]:
+    """The rows with errors against the surfaces: those against the method's own model and, in
+    quadrature, the distance of that model; and the Pareto front of these.
+
+    The error against its own model is that against Smith's where that is its model; of any other
+    method it is noise.
+    """
+    apart = {(d.theta, d.model): d for d in found}
+    done = []
+    for r in rows:
+        d = apart.get((r.theta_i_rad, r.model))
+        if r.reference != "smith" or d is None:
+            done.append(r)
+            continue
+        own = (r.relative_rmse, r.relative_rmse_stderr)
+        value, error = own if r.model == "smith" else (r.noise, r.noise_stderr)
+        # Without noise there is none to be known badly.
+        parts = [(v, e) for v, e in ((value, error), (d.value, d.stderr)) if v > 0]
+        total = float(np.sqrt(sum(v * v for v, _ in parts)))
+        stderr = float(np.sqrt(sum((v * e) ** 2 for v, e in parts))) / max(total, 1e-300)
+        times = r.seconds_low, r.seconds, r.seconds_high
+        changed = costs(total**2, times, r.setup_s)
+        measured = with_stderr(relative_rmse=(total, stderr), bias=(d.value, d.stderr))
+        # Once noise is below the distance, walks no longer make the error less: slopes go.
+        done.append(replace(r, reference="surfaces", slope=NAN, **measured, **changed))
+    angles = dict.fromkeys(r.theta_i_rad for r in done)
+    fronts = [with_front([r for r in done if r.theta_i_rad == t]) for t in angles]
+    return [r for front in fronts for r in front]
+
+
 def with_distances(rows: list[Row], found: list[Distance]) -> list[Row]:
     """The rows with the distance of each one's model from the surfaces."""
     apart = {(d.theta, d.model): d.value for d in found}

@@ -9,7 +9,13 @@ from msbsdf_cli.experiments.tradeoff.floors import MARGIN, Floor, floors, margin
 from msbsdf_cli.experiments.tradeoff.measuring import Protocol, ladder, measure
 from msbsdf_cli.experiments.tradeoff.reference import Reference, references
 from msbsdf_cli.experiments.tradeoff.roughness import ALPHAS, roughness_rows
-from msbsdf_cli.experiments.tradeoff.rows import Row, method_rows, simulate_rows, with_distances
+from msbsdf_cli.experiments.tradeoff.rows import (
+    Row,
+    against_surfaces,
+    method_rows,
+    simulate_rows,
+    with_distances,
+)
 from msbsdf_cli.experiments.tradeoff.scaling import (
     REPEATS,
     Scaling,
@@ -42,6 +48,8 @@ class Settings:
     """Whether paths start from scrambled Sobol points."""
     resolution: Resolution | None
     """Of the surfaces; None: they are left out."""
+    against: str
+    """What errors are against: `smith`, or `surfaces`."""
     rays: int
     """On the surfaces, for each incident angle."""
     seed: int
@@ -90,6 +98,8 @@ def study(scene: Scene, settings: Settings) -> Result:
         energies = energy_rows(scene, surfaces.steps, surfaces.spent, surfaces.rays)
         rows = with_distances([*rows, *simulate_rows(scene, surfaces)], found)
     better = margin(rows, truth, scene.theta)
+    if settings.against == "surfaces":
+        rows = against_surfaces(rows, found)
     return Result(
         truth,
         rows,

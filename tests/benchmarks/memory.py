@@ -1,0 +1,46 @@
+"""What remembering the last facet is worth: `python -m tests.benchmarks.memory REPORT...`
+
+Each REPORT is a directory that `msbsdf simulate` wrote. Prints a table for all of them as CSV, and
+how often the targets of the walk that remembers are met.
+"""
+
+import csv
+import sys
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from msbsdf_cli.experiments.against_surfaces import Row, rows
+from msbsdf_cli.results.run import load_run
+from surfaces.spectrum import GAUSSIAN
+
+WALKS = 1_000_000
+TARGETS = {"wrong_order": 1 / 3, "total_variation": 1 / 2, "free_path_ks": 1 / 3}
+"""At most so much of Smith's."""
+
+
+def main(reports: list[str]) -> None:
+    table = csv.DictWriter(sys.stdout, [f.name for f in fields(Row)])
+    table.writeheader()
+    found: list[Row] = []
+    for report in reports:
+        place = Path(report)
+        run = load_run(place / "sums.npz" if place.is_dir() else place)
+        mine = rows(run, GAUSSIAN, WALKS, 0)
+        table.writerows(asdict(row) for row in mine)
+        sys.stdout.flush()
+        found += mine
+    for quantity, share in TARGETS.items():
+        # A cell tells something where Smith's error is known to a third of itself or better.
+        told = [r for r in found if r.quantity == quantity and r.smith > 3 * r.stderr]
+        met = sum(r.memory - r.stderr <= share * r.smith for r in told)
+        sure = sum(r.memory + r.stderr <= share * r.smith for r in told)
+        worse = sum(r.memory - 2 * r.stderr > r.smith for r in told)
+        print(
+            f"{quantity}: at most {share:.2g} of Smith's in {met} of {len(told)} cells ({sure} for "
+            f"certain), more than Smith's in {worse}",
+            file=sys.stderr,
+        )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
