@@ -17,6 +17,7 @@ from msbsdf_cli.experiments.sweep.surfaces import SurfaceCase
 from msbsdf_cli.experiments.sweep.values import ValueCase
 from msbsdf_cli.experiments.sweep.walks import WalkCase
 from msbsdf_cli.experiments.sweep.work import Alone, Failure, Measured, place_of, seed_of
+from msbsdf_cli.experiments.walk import remembered_surface
 
 Options = dict[str, Any]
 
@@ -111,8 +112,10 @@ def _identity(options: Options, *but: str) -> str:
 
 
 def _walks(options: Options, seed: int, samples: int, directions: bool) -> WalkCase:
+    scene = common.scene_from(options)
+    common.check_memory(scene, {"heights": "gaussian"} | options)
     return WalkCase(
-        common.scene_from(options),
+        scene,
         samples,
         common.free_paths_from(options, "gaussian"),
         "gaussian",
@@ -120,6 +123,7 @@ def _walks(options: Options, seed: int, samples: int, directions: bool) -> WalkC
         options["precision"],
         options["max_order"],
         directions,
+        remembered_surface(scene.slopes, options["memory"], options["autocorrelation"]),
     )
 
 

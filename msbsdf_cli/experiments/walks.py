@@ -57,8 +57,8 @@ def walk(
             progress.advance(tally.rays)
     wall_s = time.monotonic() - started
     add_free_paths(scene, free_paths, heights, samples, seed, memory)
-    notes = {} if memory is None else {"memory": 1.0}
-    return Run("walk", scene, tallies, free_paths, heights, wall_s=wall_s, notes=notes)
+    remembers = int(memory is not None)
+    return Run("walk", scene, tallies, free_paths, heights, wall_s=wall_s, memory=remembers)
 
 
 def add_free_paths(

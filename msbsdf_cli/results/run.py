@@ -36,6 +36,8 @@ class Run:
     """Figures of the run worth keeping beside the results."""
     group_units: Array | None = None
     """Surfaces of each group; None where they are not independent of those of other runs."""
+    memory: int = 0
+    """Facets that walks remember."""
 
     @property
     def paths(self) -> int:
@@ -56,7 +58,7 @@ class Run:
     @property
     def label(self) -> str:
         """`simulate`, `walk`, or `walk-memory` for walks that remember facets."""
-        return f"{self.kind}-memory" if self.notes.get("memory") else self.kind
+        return f"{self.kind}-memory" if self.memory else self.kind
 
     @property
     def same_scene(self) -> Scene:
@@ -73,7 +75,7 @@ class Run:
         Raises ValueError where that would not be one long run.
         """
         of_both = [
-            {"kind": r.kind, "scene": r.same_scene, "heights": r.heights} for r in (self, other)
+            {"kind": r.label, "scene": r.same_scene, "heights": r.heights} for r in (self, other)
         ]
         for name, a in of_both[0].items():
             if a != (b := of_both[1][name]):
@@ -106,7 +108,7 @@ class Run:
         """Write the sums to an .npz file."""
         paths = self.free_paths
         about = {name: getattr(self, name) for name in ("kind", "heights", "wall_s", "notes")}
-        about |= {"scene": self.scene.settings(), "rays": paths.rays}
+        about |= {"scene": self.scene.settings(), "rays": paths.rays, "memory": self.memory}
         about |= {"free_path_theta": paths.theta, "free_path_starts": paths.starts}
         arrays = {f"free_path_{name}": getattr(paths, name) for name in FREE_PATH}
         for i, tally in enumerate(self.tallies):
@@ -141,7 +143,8 @@ def _run(about: dict[str, Any], arrays: dict[str, Array]) -> Run:
         getattr(paths, name)[:] = arrays[f"free_path_{name}"]
     paths.rays = int(about["rays"])
     light = about["kind"], scene, tallies, paths, about["heights"], arrays.get("lobe_groups")
-    return Run(*light, about["wall_s"], about["notes"], arrays.get("group_units"))
+    how = about["wall_s"], about["notes"], arrays.get("group_units"), about.get("memory", 0)
+    return Run(*light, *how)
 
 
 def _tally(orders: int, angle: int, about: dict[str, Any], arrays: dict[str, Array]) -> Tally:

@@ -15,16 +15,15 @@ from msbsdf_cli.experiments.sweep.states import (
     restore_free_paths,
 )
 from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
-from msbsdf_cli.experiments.walks import walk_free_paths
+from msbsdf_cli.experiments.walks import add_free_paths
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
 from msbsdf_cli.results.tables import energy
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.statistics.tally import Tally
-from surfaces.streams import stream
+from surfaces.spectrum import Spectrum
 
 JOBS = 64
 PART = JOBS * WALKS
@@ -48,6 +47,8 @@ class WalkCase:
     max_order: int
     directions: bool
     """Whether lobes and free paths are wanted too, and not the energies alone."""
+    memory: Spectrum | None = None
+    """Of the surface that is remembered."""
 
     @property
     def parts(self) -> int:
@@ -72,6 +73,7 @@ class WalkCase:
             scene.orders,
             self.seed,
             self.max_order,
+            memory=self.memory,
         )
         for job in islice(walks, part * JOBS, (part + 1) * JOBS):
             tally.merge(run_walks(job)[1])
@@ -79,9 +81,8 @@ class WalkCase:
         if self.directions:
             paths = self.free_paths.empty()
             if part == 0:
-                rng = stream(self.seed, "walk free paths")
-                heights = HEIGHTS[self.heights]
-                walk_free_paths(scene.slopes, scene.phi, heights, paths, self.samples, rng)
+                how = self.heights, self.samples, self.seed, self.memory
+                add_free_paths(scene, paths, *how)
             state |= of_free_paths(paths)
         return state
 
@@ -91,7 +92,8 @@ class WalkCase:
         restore(tally, state)
         if self.directions:
             restore_free_paths(paths, state)
-        return Run("walk", self.scene, [tally], paths, self.heights)
+        remembers = int(self.memory is not None)
+        return Run("walk", self.scene, [tally], paths, self.heights, memory=remembers)
 
     def table(self, state: State) -> Table:
         """energy.csv of the case."""
