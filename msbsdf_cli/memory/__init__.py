@@ -1,2 +1,8 @@
-"""A walk that remembers the last facet: the Gaussian surface ahead, given height and slope
-there."""
+"""A walk that remembers the last facet.
+
+Smith takes heights at different points as independent. On a Gaussian surface those near a facet of
+known height, slope and curvature are not, and all that follows from these is Gaussian:
+`correlation` is what the facet says of the surface ahead, `hazard` the rate of crossings there,
+`march` its integral along a ray, `escape` a table of that along whole rays, `facets` and `entry`
+where light meets the surface next and first, `walk` and `next_event` what becomes of it.
+"""

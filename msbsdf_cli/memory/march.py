@@ -21,6 +21,9 @@ CLIMB = 0.4
 """A step is at most `GROWTH` of the distance, `LENGTH` (where slopes have variance 1) or, farther
 out, `FAR` of the distance, and it climbs at most `CLIMB` standard deviations of height."""
 
+CURVED = 2.5
+"""Deviations of curvature by which the surface may yet bend up more than the facet does."""
+
 TOP = 7.5
 """Height above which nothing is met, 3e-14 of the time."""
 
@@ -88,7 +91,7 @@ def march(
 def _start(correlation: Correlation, facet: Array, E: Array) -> Rays:
     """Rays at a distance before which the parabola of the facet is not met."""
     delta, h, _, u = facet
-    bend = np.maximum(correlation.bend * u - h, 0) + 2.5 * correlation.bend
+    bend = np.maximum(correlation.bend * u - h, 0) + CURVED * correlation.bend
     x = np.minimum(delta / bend, correlation.x[-1] / 8).astype(E.dtype)
     zero, one = np.zeros((2, x.size), x.dtype), np.ones_like(x)
     return Rays(facet, E, np.arange(x.size), x, zero[0], zero[1], one)
