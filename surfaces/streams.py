@@ -39,7 +39,7 @@ STREAMS = {
     "export pairs": "directions in which a table is held against what it was made from",
     "table directions": "directions in which a table for pictures is held against `solve`",
     "without noise": "handed to methods that draw nothing",
-    "render": "paths from the camera: method, strategy, some of the pixels",
+    "render": "paths from the camera: method, strategy, some of the pixels, picture",
     "slab": "walks to a slab's image: method, roughness, repetition",
 }
 """Name of every stream, and what it serves; the numbers of its place are named after the colon."""

@@ -48,8 +48,8 @@ def white_spheres(
     spheres, refused = [], {}
     stage = white_sphere()
     covered = _coverage(stage)
-    settings = Settings(PIXELS, PIXELS, SAMPLES, seed, "bsdf")
-    for alpha in alphas:
+    for number, alpha in enumerate(alphas):
+        settings = Settings(PIXELS, PIXELS, SAMPLES, seed, "bsdf", number=number)
         of, shading = scene.of_roughness(alpha), []
         for name in methods:
             try:

@@ -35,6 +35,8 @@ class Settings:
     """Paths for each pixel, at least 2."""
     seed: int = 0
     strategy: str = "mis"
+    number: int = 0
+    """Of the picture, among those of one run: each has paths of its own."""
 
 
 @dataclass
@@ -200,7 +202,8 @@ def run_job(job: Job) -> Part:
     started = time.process_time()
     total = settings.width * settings.height
     pixels = np.arange(job.number * CHUNK, min((job.number + 1) * CHUNK, total))
-    rng = stream(settings.seed, "render", job.method, settings.strategy, job.number)
+    place = job.method, settings.strategy, job.number, settings.number
+    rng = stream(settings.seed, "render", *place)
     integrator = Integrator(job.stage, job.shader, settings.strategy)
     sums = np.zeros((2, 3, pixels.size))
     most = max(1, BLOCK // pixels.size)
