@@ -13,7 +13,7 @@ from msbsdf_cli.experiments.slices import slice_directions
 from msbsdf_cli.experiments.sweep.albedos import AlbedoCase
 from msbsdf_cli.experiments.sweep.pairs import Pair
 from msbsdf_cli.experiments.sweep.plan import Cases
-from msbsdf_cli.experiments.sweep.surfaces import SurfaceCase
+from msbsdf_cli.experiments.sweep.surfaces import OF_MODELS, SurfaceCase
 from msbsdf_cli.experiments.sweep.values import ValueCase
 from msbsdf_cli.experiments.sweep.walks import WalkCase
 from msbsdf_cli.experiments.sweep.work import Alone, Failure, Measured, place_of, seed_of
@@ -76,7 +76,7 @@ class Settings:
             resolution,
             common.free_paths_from(options, "gaussian"),
             seed,
-            place_of(_identity(options)),
+            place_of(_identity(options, *OF_MODELS)),
             options["max_order"],
             directions,
         )
@@ -85,7 +85,7 @@ class Settings:
         """The finest that any of the cases needs that have the surfaces in common."""
         axes = self.cases.axes
         shared = [axis for axis in axes if axis.name in SurfaceCase.shared]
-        key = _identity({k: v for k, v in options.items() if k not in SurfaceCase.shared})
+        key = _identity(options, *SurfaceCase.shared)
         if key not in self.resolutions:
             # All angles at once, as `simulate` takes them.
             theta = tuple(t for a in axes if a.name == "theta" for (t,) in a.values)

@@ -28,10 +28,13 @@ from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.discretisation import on_all_meshes
 from msbsdf_cli.statistics.surface_tally import SurfaceTally
 from surfaces.facet import Array
-from surfaces.marginal import marginal
+from surfaces.marginal import Marginal, marginal
 
 PART = 4
 """Realisations of a part."""
+
+OF_MODELS = ("memory", "precision")
+"""Options of what is held against surfaces: cases that differ in them alone share all light."""
 
 RAYS_PER_S, TRIANGLES_PER_S = 1e6, 1e6
 """Rough rates of one core."""
@@ -43,7 +46,7 @@ class SurfaceCase:
 
     kind: ClassVar[str] = "simulate"
     shared: ClassVar[frozenset[str]] = frozenset(
-        ("alpha", "theta", "phi", "material", "ior", "metal", "eta_k", "albedo")
+        ("alpha", "theta", "phi", "material", "ior", "metal", "eta_k", "albedo", *OF_MODELS)
     )
 
     scene: Scene
@@ -72,15 +75,18 @@ class SurfaceCase:
 
     @staticmethod
     def measure(cases: list["SurfaceCase"], part: int) -> list[State]:
-        first, wanted = cases[0], [_Sums(case) for case in cases]
+        # Cases whose rays are in one place of their stream are one.
+        wanted = {case.place: _Sums(case) for case in cases}
+        first = cases[0]
         last = min((part + 1) * PART, first.resolution.realisations)
         heights_are = marginal(first.resolution.heights_of)
-        known = [expected(c.scene.slopes, c.scene.wi(c.scene.theta[0]), heights_are) for c in cases]
+        known = [sums.expected(heights_are) for sums in wanted.values()]
         for number in range(part * PART, last):
             fields = Meshes(first.resolution, number, first.seed)
-            for sums, mean in zip(wanted, known, strict=True):
+            for sums, mean in zip(wanted.values(), known, strict=True):
                 sums.add(number, trace_surface(sums.case.job(number, mean), fields))
-        return [sums.state() for sums in wanted]
+        states = {place: sums.state() for place, sums in wanted.items()}
+        return [states[case.place] for case in cases]
 
     def job(self, number: int, mean: Array) -> SurfaceJob:
         """What is traced on one realisation, and what control variates come to in the mean."""
@@ -124,6 +130,11 @@ class _Sums:
         self.tally = SurfaceTally(case.scene.orders, NUMBER, resolution.lengths)
         self.paths = case.free_paths.empty()
         self.groups = LobeGroups(case.scene, resolution.realisations)
+
+    def expected(self, heights: Marginal) -> Array:
+        """What control variates come to in the mean."""
+        scene = self.case.scene
+        return expected(scene.slopes, scene.wi(scene.theta[0]), heights)
 
     def add(self, number: int, found: SurfaceResult) -> None:
         """Take in the light of one realisation."""

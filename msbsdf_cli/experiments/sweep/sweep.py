@@ -9,7 +9,7 @@ from msbsdf_cli.experiments.sweep.states import State, total
 from msbsdf_cli.experiments.sweep.work import Case, Failure, Measured, Piece
 from msbsdf_cli.results.files import Table
 
-CASES_OF_PIECE = 64
+CASES_OF_PIECE = 128
 """At most so many cases share the work of a piece: what they leave behind stays small."""
 
 Setting = Measured | Failure
