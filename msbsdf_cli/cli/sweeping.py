@@ -45,8 +45,6 @@ def sweep(command: str, words: tuple[str, ...], own: Options) -> None:
     found = study_of(command, words)
     shard = own["shard"]
     share = "" if shard is None else f"-{shard[0]}-of-{shard[1]}"
-    if share and own["out"] is not None:
-        own["out"] = f"{own['out']}{share}"
     out = Path(own["out"] or f"reports/sweep-{found.slug}{share}")
     plan = found.plan(shard)
     own["force"] = own["force"] or _is_dry(out)
