@@ -2,7 +2,14 @@
 there."""
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -112,8 +119,10 @@ def _on(
                 broken = broken or result is None
                 yield job, result
     finally:
-        for future in waiting:
-            future.cancel()
+        # Of an executor from elsewhere; processes of our own are ended with all that they have.
+        if not isinstance(executor, ProcessPoolExecutor):
+            for future in waiting:
+                future.cancel()
 
 
 def _result(future: "Future[Result | Failed]") -> "Result | Failed | None":

@@ -183,8 +183,9 @@ def test_a_dry_run_plans_every_piece_and_gives_way_to_the_sweep(tmp_path):
     assert not (tmp_path / "a" / "plan.csv").exists()
 
 
-def test_an_interrupted_sweep_keeps_its_pieces(tmp_path):
-    words = [str(w) for w in (*WALK[:-1], "200000", "--threads", "1", "--out", tmp_path / "a")]
+@pytest.mark.parametrize("threads", [1, 2])
+def test_an_interrupted_sweep_keeps_its_pieces(threads, tmp_path):
+    words = [*WALK[:-1], "400000", "--threads", str(threads), "--out", str(tmp_path / "a")]
     script = f"import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n{RUN}"
     run = subprocess.Popen(
         [sys.executable, "-c", script, *words], stderr=subprocess.PIPE, text=True
@@ -196,6 +197,7 @@ def test_an_interrupted_sweep_keeps_its_pieces(tmp_path):
     _, said = run.communicate(timeout=60)
     assert run.returncode == 1
     assert "pieces are done and kept in a.pieces" in said
+    assert "Traceback" not in said
     assert not (tmp_path / "a").exists()
     assert not list(tmp_path.glob("a.pieces/.*"))
 
