@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -48,6 +50,26 @@ def test_what_kills_every_process_is_told_from_what_it_took_along():
     work = partial(die_at, killer=5, once=None)
     wanted = {k: k * k for k in range(40)} | {5: Failed(KILLED)}
     assert dict(map_completed(work, range(40), 2)) == wanted
+
+
+LARGE = """
+import time
+from msbsdf_cli.run.completed import map_completed
+
+def size(job):
+    time.sleep(0.2)
+    return len(job)
+
+results = map_completed(size, (bytes(1 << 21) for _ in range(1000)), 2)
+next(results)
+raise KeyboardInterrupt
+"""
+
+
+def test_large_jobs_that_wait_do_not_keep_a_stopped_run():
+    """What is not yet read of a pipe, by processes that are dead, is waited for by nobody."""
+    run = subprocess.run([sys.executable, "-c", LARGE], timeout=60, capture_output=True, text=True)
+    assert run.returncode == -signal.SIGINT or "KeyboardInterrupt" in run.stderr
 
 
 def test_jobs_are_taken_as_they_are_needed():
