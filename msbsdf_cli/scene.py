@@ -75,3 +75,8 @@ def direction(theta: float, phi: float = 0.0) -> Array:
     return np.array(
         [math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta)]
     )
+
+
+def in_degrees(angle: float) -> str:
+    """An angle in radians as a person reads it."""
+    return f"{math.degrees(angle):.4g}°"

@@ -69,7 +69,7 @@ def command(**options: Any) -> None:
             both = np.stack(np.broadcast_arrays(directional, mean[:, None]), axis=-1)
             write_exr(draft / "albedo.exr", both, ("directional", "mean"))
         report.write(draft, {}, 0, more={"summary": summary})
-    report.end(lambda: click.echo(summary))
+    report.end()
 
 
 def off(errors: Any) -> str:

@@ -90,10 +90,15 @@ class Report(Part):
                 err=True,
             )
 
-    def end(self, show: Callable[[], None]) -> None:
-        """Say what came out: as JSON, by `show` and where the report is, or not at all."""
+    def end(self, show: Callable[[], None] = lambda: None) -> None:
+        """Say what came out: as JSON; the verdict first, then what `show` prints, and where the
+        report is; or not at all."""
+        from msbsdf_cli.cli.terminal import say
+
+        summary = self.record.get("summary", [])
         if self.options["as_json"]:
             click.echo(json_text(self.record | {"report": str(self.place.out)}))
         elif not self.options["quiet"]:
+            say(summary if isinstance(summary, str) else "\n".join(summary))
             show()
             click.echo(f"Report: {self.place.out}")

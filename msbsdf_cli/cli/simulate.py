@@ -69,9 +69,9 @@ def command(**options: Any) -> None:
             f"{resolution.realisations} surfaces of {resolution.lengths:.4g} correlation lengths, "
             f"{resolution.cells * resolution.extent} cells along a side."
         )
+        show_run(lobes, result, "rays")
         if about is not None:
             show_quantities(about)
-        show_run(lobes, result, "rays")
 
     report.end(show)
 
@@ -140,13 +140,15 @@ def surface_warnings(options: dict[str, Any]) -> list[str]:
     """Sentences on what costs accuracy or hours on surfaces."""
     import math
 
+    from msbsdf_cli.scene import in_degrees
+
     warnings = []
     longest = 2 * options["extent"] / min(options["alpha"])
     periods = 8 * math.tan(max(options["theta"])) / longest
     if periods > 100:
         warnings.append(
-            f"theta {max(options['theta']):g} is so near the horizon that a ray crosses up to "
-            f"{periods:.0f} periods of the surface before it meets it; the run takes long."
+            f"theta {in_degrees(max(options['theta']))} is so near the horizon that a ray crosses "
+            f"up to {periods:.0f} periods of the surface before it meets it; the run takes long."
         )
     if options["realisations"] < 8:
         warnings.append(

@@ -65,7 +65,12 @@ def command(**options: Any) -> None:
                 rows = [row for row in rows if row.cell == options["cell"]]
         table = columns(rows, Row.__dataclass_fields__)
         counted = counts(rows)
-        report.write(draft, {"stability.csv": table}, len(rows), more={"verdicts": counted})
+        report.write(
+            draft,
+            {"stability.csv": table},
+            len(rows),
+            more={"summary": in_one_sentence(counted), "verdicts": counted},
+        )
         if options["cell"] is None:
             draw_stability(rows, METHOD, draft)
     pieces.remove()
@@ -113,15 +118,28 @@ def counts(rows: list[Any]) -> dict[str, dict[str, int]]:
     return found
 
 
+def in_one_sentence(counted: dict[str, dict[str, int]]) -> str:
+    """How many cells have which verdict, and who fails most."""
+    from collections import Counter
+
+    from msbsdf_cli.experiments.stability.verdicts import FAILS
+
+    total: Counter[str] = sum((Counter(of) for of in counted.values()), Counter())
+    parts = [f"{number} {verdict}" for verdict, number in total.items()]
+    most = max(counted, key=lambda name: counted[name][FAILS], default="")
+    text = f"Of {total.total()} cells: {', '.join(parts)}"
+    return text + (f"; {most} fails most, in {counted[most][FAILS]}." if total[FAILS] else ".")
+
+
 def show(rows: list[Any], counted: dict[str, dict[str, int]]) -> None:
     """Print how often each verdict was given; of one cell all that is known."""
     from msbsdf_cli.cli.terminal import show_table
-    from msbsdf_cli.experiments.stability.verdicts import VERDICTS
+    from msbsdf_cli.experiments.stability.verdicts import FAILS, VERDICTS
 
     if len(rows) == 1:
-        show_table(("", ""), [(k, f"{v}") for k, v in vars(rows[0]).items()])
+        for name, value in vars(rows[0]).items():
+            click.echo(f"{name}: {value}")
         return
-    lines = [
-        (*name.rsplit(" ", 1), *(f"{of[v]}" for v in VERDICTS)) for name, of in counted.items()
-    ]
-    show_table(("method", "precision", *VERDICTS), lines)
+    order = sorted(counted.items(), key=lambda each: -each[1][FAILS])
+    lines = [(*name.rsplit(" ", 1), *(f"{of[v]}" for v in VERDICTS)) for name, of in order]
+    show_table(("method", "precision", *VERDICTS), lines, "stability.csv")

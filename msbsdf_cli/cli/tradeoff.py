@@ -90,7 +90,7 @@ def command(**options: Any) -> None:
         if result.energies:
             draw_tradeoff(result.energies, [], draft / "energies.png", "energies of orders")
         draw_scaling(result.scaling, draft / "scaling.png")
-    report.end(lambda: show(result.rows, report.record["summary"]))
+    report.end(lambda: show(result.rows))
 
 
 NO_SURFACES = (
@@ -147,6 +147,7 @@ def in_words(result: Any) -> dict[str, Any]:
         tenfold,
         times_to_accuracy,
     )
+    from msbsdf_cli.scene import in_degrees
 
     found = times_to_accuracy(result.rows)
     said = sentences(found) + tenfold(found)
@@ -217,14 +218,15 @@ def work_s(options: dict[str, Any]) -> float:
     return float(runs * (methods * walks + directions) * options["threads"])
 
 
-def show(rows: list[Any], summary: str) -> None:
+def show(rows: list[Any]) -> None:
     """Print the dearest setting of each method, angle by angle, and what floors there are."""
     from msbsdf_cli.cli.terminal import measured, show_table
+    from msbsdf_cli.scene import in_degrees
 
     last = {(r.theta_i_rad, r.method): r for r in rows}
     lines = [
         (
-            f"{r.theta_i_rad:.4g}",
+            in_degrees(r.theta_i_rad),
             r.method,
             measured(r.relative_rmse, r.relative_rmse_stderr),
             f"{r.bias:.2g}" if r.bias_z > 3 or r.samples == 0 else "",
@@ -237,5 +239,4 @@ def show(rows: list[Any], summary: str) -> None:
         for r in sorted(last.values(), key=lambda r: r.theta_i_rad)
     ]
     header = ("theta", "method", "relative RMSE", "bias", "seconds", "set-up", "efficiency")
-    show_table((*header, "slope", "to surfaces"), lines)
-    click.echo(summary)
+    show_table((*header, "slope", "to surfaces"), lines, "tradeoff.csv", len(rows))

@@ -1,6 +1,5 @@
 """How pictures look: for print, and told apart without colour where it matters."""
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,8 @@ import matplotlib as mpl
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
+
+from msbsdf_cli.scene import in_degrees as in_degrees
 
 plt.rcParams.update(
     {
@@ -61,11 +62,6 @@ def panels(
         gap[1] / height,
     )
     return figure, axes
-
-
-def in_degrees(angle: float) -> str:
-    """An angle in radians as a person reads it."""
-    return f"{math.degrees(angle):.4g}°"
 
 
 def order_colour(index: int) -> str:
