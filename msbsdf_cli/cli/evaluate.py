@@ -26,7 +26,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.experiments.slice_errors import SliceError, slice_errors
     from msbsdf_cli.experiments.slices import slice_directions, slice_table
     from msbsdf_cli.plots.slices import draw_slices
-    from msbsdf_cli.results.files import columns
+    from msbsdf_cli.results.files import Table, columns
 
     scene = common.scene_from(options)
     options["method"] = methods = common.methods_for(scene, options["method"])
@@ -49,11 +49,11 @@ def command(**options: Any) -> None:
         report.warn(hardly_known(values))
         table = slice_table(scene, directions, values)
         errors = slice_errors(values, scene.phi)
-        tables = {"slice.csv": table}
+        tables: dict[str, Table] = {"slice.csv": table}
         if errors:
             tables["errors.csv"] = columns(errors, (f.name for f in fields(SliceError)))
-        more = {"summary": in_one_sentence(values, errors)}
-        more |= {"methods": [how_it_went(v) for v in values]}
+        went = [how_it_went(v) for v in values]
+        more = {"summary": in_one_sentence(values, errors), "methods": went}
         report.write(draft, tables, walks, more=more)
         draw_slices(table, draft / "slice.png")
     report.end(lambda: show_errors(errors) if errors else show(values))
@@ -91,7 +91,8 @@ def hardly_known(values: list[Any]) -> list[str]:
         if v.method == Solve.name and v.value[:, -1].max() > 0
     )
     return [
-        f"method solve knows values at theta {in_degrees(theta)} to {error:.1g} of the largest only."
+        f"method solve knows values at theta {in_degrees(theta)} to {error:.1g} of the largest "
+        "only."
         for theta, error in errors
         if error > VALUE_KNOWN
     ]

@@ -128,10 +128,10 @@ def in_one_sentence(scene: Any, results: list[Any]) -> str:
             alpha = ",".join(f"{a:g}" for a in dict.fromkeys(r.alpha))
             where = f"alpha {alpha}, theta {in_degrees(scene.theta[place[1]])}"
             worst[r.method] = max(worst.get(r.method, (-1.0, 0.0, "")), (lost, error, where))
-    of_what = f"the light that {against} sends back" if against else "the light"
+    of_what = f" of the light that {against} sends back" if against else ""
     order = sorted(worst, key=lambda name: -worst[name][0])
     parts = [f"{name} {in_percent(*worst[name][:2])} ({worst[name][2]})" for name in order]
-    return f"Most of {of_what} that is lost: {'; '.join(parts)}."
+    return f"The most that each method loses{of_what}: {'; '.join(parts)}."
 
 
 def show(scene: Any, results: list[Any]) -> None:

@@ -261,12 +261,10 @@ def in_one_sentence(table: Any, options: dict[str, Any]) -> str:
             apart = in_percent(
                 abs(table["difference"][k]) / first, table["difference_stderr"][k] / first
             )
-            text += f", {apart} {'brighter' if table['difference'][k] > 0 else 'darker'}"
+            side = "brighter" if table["difference"][k] > 0 else "darker"
+            text += f", {apart} {side} than {table['method'][0]}"
         parts.append(text)
-    return (
-        f"At {options['samples']} paths a pixel {'; '.join(parts)}"
-        f"{' than ' + table['method'][0] if len(parts) > 1 else ''}."
-    )
+    return f"At {options['samples']} paths a pixel {'; '.join(parts)}."
 
 
 def show(table: Any) -> None:

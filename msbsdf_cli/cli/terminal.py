@@ -13,7 +13,7 @@ WIDTH, LINES = 100, 30
 AROUND = 10
 """Lines of a screen that are left to the command, the sentences and what stands under a table."""
 
-PROSE = 24
+PROSE = 40
 """Characters from which a text is wrapped in its column; numbers never are."""
 
 
@@ -51,11 +51,9 @@ def show_table(
     console = Console(file=sys.stdout, width=width, markup=False, highlight=False, emoji=False)
     console.print(table)
     left = (len(rows) if total is None else total) - len(shown)
-    cut = ", ".join(header[count:])
-    if left > 0:
-        click.echo(f"{left} more in {file}{cut and f', and the columns {cut}'}.")
-    elif cut:
-        click.echo(f"The columns {cut} are in {file}.")
+    what = [f"{left} more"] * (left > 0) + list(header[count:])
+    if what:
+        click.echo(f"{', '.join(what)} in {file}.")
 
 
 def _is_prose(cells: Iterable[str]) -> bool:
@@ -92,5 +90,5 @@ def in_percent(value: float, stderr: float) -> str:
     """A share in percent, with its error likewise, `46.92(7) %`, unless that is below what anybody
     reads of one: `46.9 %`."""
     if 100 * stderr < 0.0005 * max(100 * abs(value), 1):
-        return f"{100 * value:.3g} %"
+        return f"{round(100 * value, 4):.3g} %"
     return f"{measured(100 * value, 100 * stderr)} %"

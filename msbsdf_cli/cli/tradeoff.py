@@ -233,8 +233,8 @@ def show(rows: list[Any]) -> None:
             f"{r.seconds:.2g}",
             f"{r.setup_s:.2g}" if r.setup_s > 1e-4 else "",
             f"{r.efficiency_with_setup:.3g}",
-            f"{r.slope:.2f}",
-            f"{r.to_surfaces:.2g}",
+            f"{r.slope:.2f}" if r.slope == r.slope else "",
+            f"{r.to_surfaces:.2g}" if r.to_surfaces == r.to_surfaces else "",
         )
         for r in sorted(last.values(), key=lambda r: r.theta_i_rad)
     ]

@@ -89,7 +89,7 @@ def summary(rows: list[Judged]) -> str:
     )
 
 
-HEADER = ("identity", "section", "rows", "largest |z|", "of tolerance", "detectable", "verdict")
+HEADER = ("identity", "verdict", "largest |z|", "of tolerance", "detectable", "rows", "section")
 
 
 def lines(rows: list[Judged]) -> list[tuple[str, ...]]:
@@ -99,7 +99,7 @@ def lines(rows: list[Judged]) -> list[tuple[str, ...]]:
     for row in rows:
         groups.setdefault((row.finding.identity, row.finding.section), []).append(row)
     found = [_line(name, section, group) for (name, section), group in groups.items()]
-    return sorted(found, key=lambda line: WORST_FIRST.index(line[-1]))
+    return sorted(found, key=lambda line: WORST_FIRST.index(line[1]))
 
 
 WORST_FIRST = (FAILS, HOLDS_UNEXPECTEDLY, FAILS_AS_EXPECTED, AGREEMENT, HOLDS)
@@ -116,12 +116,12 @@ def _line(name: str, section: str, group: list[Judged]) -> tuple[str, ...]:
     verdicts = Counter(row.verdict for row in group)
     return (
         name,
-        section,
-        str(len(group)),
+        next(verdict for verdict in WORST_FIRST if verdicts[verdict]),
         f"{max(scores):.1f}" if scores else "",
         f"{max(shares):.2g}" if shares else "",
         f"{median(row.detectable for row in group):.1g}",
-        next(verdict for verdict in WORST_FIRST if verdicts[verdict]),
+        str(len(group)),
+        section,
     )
 
 
