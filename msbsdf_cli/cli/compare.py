@@ -341,7 +341,8 @@ def in_one_sentence(rows: list[Any]) -> str:
         f"Beyond noise, {energy.method} misses the energy of a single order by at most "
         f"{_size(energy)} (order {energy.order}, {energy.side}, theta "
         f"{in_degrees(energy.theta_i_rad)}: {energy.modelled:.4f} modelled, "
-        f"{energy.simulated:.4f} simulated), sends at most {_size(lobe)} of the light elsewhere (theta {in_degrees(lobe.theta_i_rad)})"
+        f"{energy.simulated:.4f} simulated), "
+        f"sends at most {_size(lobe)} of the light elsewhere (theta {in_degrees(lobe.theta_i_rad)})"
     )
     if escapes:
         escape = max(escapes, key=_own)

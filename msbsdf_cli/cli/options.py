@@ -64,12 +64,20 @@ class Roughness(Typed):
 
 
 class Angles(Typed):
-    """Angles in radians, or in degrees where a value ends in `deg`, separated by commas."""
+    """Angles in radians, or in degrees where a value ends in `deg`, separated by commas; `but` is
+    none."""
 
     name = "T[,T...]"
 
-    def __init__(self, low: float, high: float, where: str, count: int | None = None) -> None:
-        self.low, self.high, self.where, self.count = low, high, where, count
+    def __init__(
+        self,
+        low: float,
+        high: float,
+        where: str,
+        count: int | None = None,
+        but: float = math.inf,
+    ) -> None:
+        self.low, self.high, self.where, self.count, self.but = low, high, where, count, but
 
     def read(self, text: str) -> tuple[float, ...]:
         angles = []
@@ -77,7 +85,13 @@ class Angles(Typed):
             factor = math.pi / 180 if part.endswith("deg") else 1.0
             angle = _numbers(part.removesuffix("deg"))[0] * factor
             if not self.low <= angle < self.high:
-                raise ValueError(f"{quoted(part)} is not an angle {self.where}.")
+                meant = factor == 1 and self.low <= math.radians(angle) < self.high
+                hint = f" Is it {part}deg?" if meant else ""
+                raise ValueError(f"{quoted(part)} is not an angle {self.where}.{hint}")
+            if angle == self.but:
+                raise ValueError(
+                    f"{quoted(part)} is not an angle of incidence: such light meets nothing."
+                )
             angles.append(angle)
         if self.count is not None and len(angles) != self.count:
             raise ValueError(f"{quoted(text)}: one angle is wanted.")
@@ -273,14 +287,15 @@ _OPTIONS: dict[str, Any] = {
     ),
     "alpha": dict(type=Roughness(), default="0.5", help="Roughness, along x and y."),
     "theta": dict(
-        type=Angles(0, math.pi / 2, "from 0 to below pi/2 (90deg)"),
+        type=Angles(0, math.nextafter(math.pi, 4), "from 0 to pi (180deg)", but=math.pi / 2),
         default="0,0.5,1,1.5",
-        help="Incident polar angles in radians; a value may end in deg.",
+        help="Incident polar angles in radians, or with deg behind, such as 30deg; of a dielectric "
+        "beyond 90deg from inside.",
     ),
     "theta-furnace": dict(
         type=Angles(0, math.pi / 2, "from 0 to below pi/2 (90deg)"),
         default="0,0.3,0.6,0.9,1.1,1.3,1.4,1.5",
-        help="Incident polar angles in radians; a value may end in deg.",
+        help="Incident polar angles in radians, or with deg behind, such as 30deg.",
     ),
     "phi": dict(
         type=Angles(-math.inf, math.inf, "in radians", count=1),
@@ -295,7 +310,8 @@ _OPTIONS: dict[str, Any] = {
         ),
         default="1.5",
         metavar="N",
-        help="Dielectric: index inside over index outside.",
+        help="Dielectric: index inside over index outside; 0.667 is glass seen from inside, as "
+        "--theta beyond 90deg is of 1.5.",
     ),
     "metal": dict(
         type=click.Choice(tuple(METALS)),

@@ -140,14 +140,15 @@ def surface_warnings(options: dict[str, Any]) -> list[str]:
     """Sentences on what costs accuracy or hours on surfaces."""
     import math
 
-    from msbsdf_cli.scene import in_degrees
+    from msbsdf_cli.scene import from_normal, in_degrees
 
     warnings = []
     longest = 2 * options["extent"] / min(options["alpha"])
-    periods = 8 * math.tan(max(options["theta"])) / longest
+    theta = max(options["theta"], key=from_normal)
+    periods = 8 * math.tan(from_normal(theta)) / longest
     if periods > 100:
         warnings.append(
-            f"theta {in_degrees(max(options['theta']))} is so near the horizon that a ray crosses "
+            f"theta {in_degrees(theta)} is so near the horizon that a ray crosses "
             f"up to {periods:.0f} periods of the surface before it meets it; the run takes long."
         )
     if options["realisations"] < 8:
