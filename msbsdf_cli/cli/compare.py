@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import (
     FREE_PATH,
     MODEL,
@@ -25,7 +26,7 @@ Pictures = list[Callable[[], None]]
 """What draws pictures, side by side on all cores."""
 
 
-@click.command("compare")
+@click.command("compare", cls=Page)
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
 @use(MODEL[0], "slopes", "gamma", *MODEL_OF_SURFACES[2:], "orders", "method", "memory")
 @samples(None)

@@ -5,10 +5,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, samples, use
 
 
-@click.command("evaluate")
+@click.command("evaluate", cls=Page)
 @use("method", "bidirectional", *MODEL_IN_COLOUR, "phi-o", "points", "orders")
 @samples("1e5")
 @use("seed", "threads", "precision", *REPORT)

@@ -4,10 +4,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, use
 
 
-@click.command("export")
+@click.command("export", cls=Page)
 @use(
     "material",
     "slopes",

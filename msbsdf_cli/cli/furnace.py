@@ -4,10 +4,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Roughness, samples, use
 
 
-@click.command("furnace")
+@click.command("furnace", cls=Page)
 @click.option(
     "--alpha",
     type=Roughness(),

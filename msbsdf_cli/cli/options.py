@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
@@ -242,7 +243,8 @@ class Lengths(Typed):
 
 
 class Methods(Typed):
-    """Names of methods separated by commas, and of what else is `also` taken for one."""
+    """Names of methods separated by commas, and of what else is `also` taken for one; a shell
+    completes the last of them."""
 
     name = "NAME[,NAME...]"
 
@@ -255,6 +257,13 @@ class Methods(Typed):
             if name not in self.names:
                 raise ValueError(f"{quoted(name)} is not a method; --help lists them.")
         return names
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        before, comma, last = incomplete.rpartition(",")
+        fitting = (name for name in self.names if name.startswith(last))
+        return [CompletionItem(f"{before}{comma}{name}") for name in fitting]
 
 
 _OPTIONS: dict[str, Any] = {
@@ -473,6 +482,11 @@ _OPTIONS: dict[str, Any] = {
     "out": dict(type=click.Path(file_okay=False), metavar="DIR", help="Where the report goes."),
     "force": dict(is_flag=True, help="Replace a report that is already there."),
     "quiet": dict(is_flag=True, help="No progress and no table."),
+    "format": dict(
+        type=click.Choice(["png", "svg", "pdf"]),
+        default="png",
+        help="What pictures are written as.",
+    ),
     "json": dict(is_flag=True, help="The summary as one JSON object on standard output."),
 }
 
@@ -528,7 +542,7 @@ MODEL_IN_COLOUR = (
 RESOLUTION = ("autocorrelation", "accuracy", "cells", "extent", "realisations", "waves")
 OF_FILE = ("step", "height-unit", "periodic", "detrend", "filter")
 FREE_PATH = ("free-path-theta", "free-path-height")
-REPORT = ("out", "force", "quiet", "json")
+REPORT = ("out", "force", "format", "quiet", "json")
 
 
 def samples(default: str | None) -> Decorator:

@@ -2,17 +2,19 @@
 
 import math
 from dataclasses import fields
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, Real, samples, use
 from msbsdf_cli.experiments.render.scenes import NAMES as SCENES
 from msbsdf_cli.results.files import columns
 
 
-@click.command("recommend")
+@click.command("recommend", cls=Page)
 @click.argument("scene", required=False, metavar="[SCENE]", type=click.Path(dir_okay=False))
 @click.option(
     "--against",
@@ -60,6 +62,11 @@ def command(**options: Any) -> None:
     from msbsdf_cli.plots.recommendation import draw_recommendations
 
     rendered = options["scene"] in SCENES
+    if not (rendered or Path(options["scene"]).exists()):
+        raise click.BadParameter(
+            f"{options['scene']} is no file, and none of the scenes {', '.join(SCENES)}.",
+            param_hint="SCENE",
+        )
     try:
         content = scene_of(options["scene"]) if rendered else read_scene(options["scene"])
     except SceneFileError as error:
@@ -180,8 +187,6 @@ def time_warnings(surfaces: list[Any], options: dict[str, Any]) -> list[str]:
 
 
 def _slug(scene: str) -> str:
-    from pathlib import Path
-
     return "".join(c if c.isalnum() else "-" for c in Path(scene).stem) or "scene"
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Count, use
 from msbsdf_cli.experiments.render.scenes import NAMES, TEXTURES
 
@@ -20,7 +21,7 @@ def own_defaults(function: Any) -> Any:
     return function
 
 
-@click.command("render")
+@click.command("render", cls=Page)
 @click.argument(
     "scene", required=False, default="plate", type=click.Choice(NAMES), metavar="[SCENE]"
 )
@@ -108,7 +109,7 @@ def write_claims(options: dict[str, Any]) -> None:
     from msbsdf_cli.results.files import columns
 
     given = click.get_current_context().get_parameter_source
-    counts = ("claims", "seed", "threads", "out", "force", "quiet", "as_json")
+    counts = ("claims", "seed", "threads", "out", "force", "format", "quiet", "as_json")
     for name in [name for name in options if name not in counts]:
         if given(name) is click.core.ParameterSource.COMMANDLINE:
             said = "SCENE" if name == "scene" else f"--{name.replace('_', '-')}"

@@ -1,5 +1,6 @@
 """A command's report: its place, the warnings, what run.json says, and the words at the end."""
 
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,6 +10,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.plots import FORMAT
 from msbsdf_cli.results.files import (
     Table,
     json_text,
@@ -81,6 +83,7 @@ class Report(Part):
         from msbsdf_cli.pages.page import write_page
 
         wanted = self.place.out
+        os.environ[FORMAT] = self.options["format"]
         with self.place.draft() as draft:
             yield draft
             write_page(draft)

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.meshes import BYTES_PER_CELL, refuse_mesh, write_mesh
 from msbsdf_cli.cli.options import (
     FREE_PATH,
@@ -25,7 +26,7 @@ CELLS_OF_PICTURE = 32
 """So that a person sees the surface and not the mesh."""
 
 
-@click.command("simulate")
+@click.command("simulate", cls=Page)
 @use(*MODEL_OF_SURFACES, "orders")
 @samples(None)
 @use("heights-of", *RESOLUTION, "convergence", "save-mesh", "surface", *OF_FILE, "wavelength")

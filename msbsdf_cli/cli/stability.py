@@ -4,13 +4,14 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, use
 
 FULL_MINUTES = 20
 """About how long the full map takes on two cores."""
 
 
-@click.command("stability")
+@click.command("stability", cls=Page)
 @click.option(
     "--full", is_flag=True, help="Every value, material and slope distribution: some 20 minutes."
 )

@@ -5,10 +5,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import MODEL, REPORT, RESOLUTION, Count, samples, use
 
 
-@click.command("tradeoff")
+@click.command("tradeoff", cls=Page)
 @use("method", *(name for name in MODEL if name != "heights"), "orders")
 @samples("4096")
 @click.option(

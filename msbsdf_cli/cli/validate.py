@@ -5,12 +5,13 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, Count, use
 
 SAMPLES, QUICK_SAMPLES = 2_000_000, 50_000
 
 
-@click.command("validate")
+@click.command("validate", cls=Page)
 @click.option(
     "--quick", is_flag=True, help="Fewer samples and configurations: half a minute or less."
 )
