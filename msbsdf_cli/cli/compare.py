@@ -365,8 +365,8 @@ def _size(row: Any) -> str:
 
 
 def show_rows(rows: list[Any]) -> None:
-    """Print what differs, the largest first: how much, how much of it noise explains, how much is
-    the model's own.
+    """Print what differs, light before free paths and the largest first: how much, how much of it
+    noise explains, how much is the model's own.
 
     Lobes order by order, and free paths that all escape or none, are left to agreement.csv.
     """
@@ -378,7 +378,7 @@ def show_rows(rows: list[Any]) -> None:
         *("difference", "noise", "method"),
     )
     lines = []
-    for r in sorted(rows, key=_own, reverse=True):
+    for r in sorted(rows, key=lambda r: (r.quantity.startswith("free_path"), -_own(r))):
         if r.quantity == "total_variation" and r.order != "all":
             continue
         paths = r.quantity.startswith("free_path")

@@ -128,8 +128,8 @@ def of_claims(found: list[Any]) -> str:
     """How many claims have which verdict."""
     from collections import Counter
 
-    counted = Counter(c.verdict for c in found)
-    return f"Of {len(found)} claims: {', '.join(f'{n} {v}' for v, n in counted.items())}."
+    counted = Counter("hold" if c.verdict == "holds" else f"are {c.verdict}" for c in found)
+    return f"Of {len(found)} claims {', '.join(f'{n} {v}' for v, n in counted.items())}."
 
 
 def show_claims(found: list[Any]) -> None:

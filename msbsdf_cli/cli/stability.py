@@ -123,10 +123,12 @@ def in_one_sentence(counted: dict[str, dict[str, int]]) -> str:
     """How many cells have which verdict, and who fails most."""
     from collections import Counter
 
-    from msbsdf_cli.experiments.stability.verdicts import FAILS
+    from msbsdf_cli.experiments.stability.verdicts import FAILS, VERDICTS
 
     total: Counter[str] = sum((Counter(of) for of in counted.values()), Counter())
-    parts = [f"{number} {verdict}" for verdict, number in total.items()]
+    verbs = "work", "are degraded", "fail", "are refused", "are unknown"
+    said = zip(VERDICTS, verbs, strict=True)
+    parts = [f"{total[verdict]} {verb}" for verdict, verb in said if total[verdict]]
     most = max(counted, key=lambda name: counted[name][FAILS], default="")
     text = f"Of {total.total()} cells: {', '.join(parts)}"
     return text + (f"; {most} fails most, in {counted[most][FAILS]}." if total[FAILS] else ".")

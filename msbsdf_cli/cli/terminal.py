@@ -87,7 +87,7 @@ def measured(value: float, stderr: float) -> str:
 
 
 def in_percent(value: float, stderr: float) -> str:
-    """A share in percent, with its error likewise, `46.92(7) %`, unless that is below what anybody
+    """A share in percent, with its error likewise, `46.92(4) %`, unless that is below what anybody
     reads of one: `46.9 %`."""
     if 100 * stderr < 0.0005 * max(100 * abs(value), 1):
         return f"{round(100 * value, 4):.3g} %"
