@@ -46,10 +46,10 @@ EXAMPLES = {
     "stability": ("stability --method single,solve", "stability --full"),
     "tradeoff": (
         "tradeoff --alpha 0.8 --theta 60deg",
-        "tradeoff --method walk,solve --material dielectric --no-surfaces",
+        "tradeoff --slopes ggx --method walk,exact,solve",
     ),
     "render": (
-        "render --method single,walk,solve --alpha 0.6",
+        "render --method single,walk-low-variance --alpha 0.6",
         "render bottle --material dielectric --samples 256",
     ),
     "recommend": ("recommend plate", "recommend scene.toml --tolerance 0.02 --against surfaces"),

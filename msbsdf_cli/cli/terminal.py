@@ -26,8 +26,12 @@ def screen() -> tuple[int, int]:
 def say(text: str) -> None:
     """Print sentences, one a line; on a terminal they are broken between words."""
     for line in text.splitlines():
-        broken = textwrap.fill(line, screen()[0], break_on_hyphens=False, break_long_words=False)
-        click.echo(broken if sys.stdout.isatty() else line)
+        if sys.stdout.isatty():
+            # A number stays with what it is of.
+            kept = line.replace(" %", "\N{NO-BREAK SPACE}%")
+            broken = textwrap.wrap(kept, screen()[0], break_on_hyphens=False)
+            line = "\n".join(broken).replace("\N{NO-BREAK SPACE}", " ")
+        click.echo(line)
 
 
 def show_table(
@@ -51,9 +55,11 @@ def show_table(
     console = Console(file=sys.stdout, width=width, markup=False, highlight=False, emoji=False)
     console.print(table)
     left = (len(rows) if total is None else total) - len(shown)
-    what = [f"{left} more"] * (left > 0) + list(header[count:])
-    if what:
-        click.echo(f"{', '.join(what)} in {file}.")
+    cut = ", ".join(header[count:])
+    if left > 0:
+        click.echo(f"{left} more in {file}{cut and f', with {cut}'}.")
+    elif cut:
+        click.echo(f"Also in {file}: {cut}.")
 
 
 def _is_prose(cells: Iterable[str]) -> bool:

@@ -34,7 +34,7 @@ def test_tables_fit_and_say_what_is_left_out(width, monkeypatch, capsys):
     # The width is used up: one more column would not have fitted.
     assert len(lines[0].rstrip()) + 2 + len("a column 10") > width
     left = ", ".join(f"a column {k}" for k in range(columns, 12))
-    assert last == f"{100 - len(rows)} more, {left} in all.csv."
+    assert last == f"{100 - len(rows)} more in all.csv, with {left}."
 
 
 def test_without_a_terminal_a_line_has_100_columns(monkeypatch, capsys):
