@@ -10,7 +10,7 @@ GROUPS = {
     ),
     "Model": (
         *("method", "bidirectional", "material", "slopes", "gamma", "alpha", "ior", "metal", "rgb"),
-        *("eta_k", "albedo", "heights", "texture"),
+        *("eta_k", "albedo", "heights", "memory", "texture"),
     ),
     "Light": ("theta", "phi", "phi_o", "points", "free_path_theta", "free_path_height", "strategy"),
     "Work": (

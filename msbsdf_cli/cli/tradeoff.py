@@ -148,7 +148,6 @@ def in_words(result: Any) -> dict[str, Any]:
         tenfold,
         times_to_accuracy,
     )
-    from msbsdf_cli.scene import in_degrees
 
     found = times_to_accuracy(result.rows)
     said = sentences(found) + tenfold(found)
@@ -174,9 +173,10 @@ def in_words(result: Any) -> dict[str, Any]:
 def _apart(floors: list[Any], model: str) -> str:
     """How far a model is from the surfaces, angle by angle; nothing where that was not measured."""
     from msbsdf_cli.cli.terminal import measured
+    from msbsdf_cli.scene import in_degrees
 
     return ", ".join(
-        f"{measured(f.relative_rmse, f.stderr)} at theta {f.theta_i_rad:.4g}"
+        f"{measured(f.relative_rmse, f.stderr)} at theta {in_degrees(f.theta_i_rad)}"
         for f in floors
         if (f.floor, f.model) == ("model", model)
     )
