@@ -167,7 +167,7 @@ def test_names_of_methods_complete():
     def found(*words):
         return [item.value for item in completes.get_completions(list(words[:-1]), words[-1])]
 
-    assert found("evaluate", "--method", "single,wa") == ["single,walk", "single,walk-low-variance"]
+    assert found("evaluate", "--method", "single,walk-l") == ["single,walk-low-variance"]
     assert "gold" in found("walk", "--metal", "g")
     assert found("tr") == ["tradeoff"]
 
