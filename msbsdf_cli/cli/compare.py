@@ -386,7 +386,7 @@ def show_rows(rows: list[Any]) -> None:
             continue
         lines.append(
             (
-                r.quantity.replace("_", " "),
+                r.quantity,
                 in_degrees(r.theta_i_rad),
                 r.order,
                 r.side,
