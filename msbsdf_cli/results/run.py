@@ -79,8 +79,9 @@ class Run:
                 for k in (slice(1), slice(1, None))
             )
             if not self.scene.material.absorbs:
-                # What does not leave after one bounce leaves later.
-                more = more[0], min(more[1], once[1] + float(unresolved.stderr))
+                # What does not leave after one bounce leaves later, and is known as well.
+                error = min(once[1], more[1]) + float(unresolved.stderr)
+                once, more = ((share, min(own, error)) for share, own in (once, more))
             found.append((once, more))
         return found
 
