@@ -18,7 +18,8 @@ class Scene:
     material: Material
     slopes: Slopes
     theta: tuple[float, ...]
-    """Incident polar angles in radians."""
+    """Incident polar angles in radians; beyond pi/2 light comes from inside, and `material` is that
+    of the surface turned over."""
     phi: float = 0.0
     """Incident azimuth in radians."""
     orders: int = 4
@@ -50,8 +51,8 @@ class Scene:
         )
 
     def wi(self, theta: float, dtype: type = np.float64) -> Array:
-        """The incident direction (3,) of polar angle `theta`."""
-        return direction(theta, self.phi).astype(dtype)
+        """The incident direction (3,) of polar angle `theta`, from the side that light is on."""
+        return direction(from_normal(theta), self.phi).astype(dtype)
 
     def slug(self) -> str:
         """The scene as a file name."""
@@ -75,3 +76,13 @@ def direction(theta: float, phi: float = 0.0) -> Array:
     return np.array(
         [math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta)]
     )
+
+
+def from_normal(theta: float) -> float:
+    """The angle to the normal of the side that light comes from, for polar angles up to pi."""
+    return min(theta, math.pi - theta)
+
+
+def in_degrees(angle: float) -> str:
+    """An angle in radians as a person reads it."""
+    return f"{math.degrees(angle):.4g}°"

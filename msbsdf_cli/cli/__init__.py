@@ -1,5 +1,6 @@
 """The command `msbsdf`. Commands are imported when they are called, so that help is immediate."""
 
+import io
 import os
 import signal
 import sys
@@ -62,6 +63,14 @@ class Lazy(click.Group):
             seen.discard("")
         return name, command, rest
 
+    def invoke(self, ctx: click.Context) -> object:
+        """Run the command; Ctrl-C ends it with a sentence."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            click.echo("\nStopped: no report is written.", err=True)
+            ctx.exit(1)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
         with formatter.section("Commands"):
@@ -93,10 +102,13 @@ def main() -> None:
 
 
 def _open_streams() -> None:
-    """Let what is said on a stream that the user has closed be lost, and nothing else."""
+    """Let what is said on a stream that the user has closed be lost, and signs that it has not."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
+        if isinstance(stream := getattr(sys, name), io.TextIOWrapper):
+            # A terminal without a sign for degrees is no reason to fail.
+            stream.reconfigure(errors="replace")
 
 
 def _stop_cleanly() -> None:

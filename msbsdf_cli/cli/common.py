@@ -1,11 +1,12 @@
 """What the commands share: the scene from the options, warnings, and where reports go."""
 
+import math
 from typing import Any
 
 import click
 
 from msbsdf_cli.results.free_paths import FreePaths
-from msbsdf_cli.scene import Scene
+from msbsdf_cli.scene import Scene, in_degrees
 from msbsdf_cli.smith.heights import height_distribution
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
 from msbsdf_cli.smith.slopes import Slopes, distribution, parameters
@@ -30,7 +31,7 @@ def scene_from(options: dict[str, Any], slopes: Slopes | None = None) -> Scene:
         shape = {parameter: options[parameter] for parameter in parameters(name)}
         slopes = distribution(name)(*options["alpha"], **shape)
     return Scene(
-        material_from(options),
+        seen_from(options, material_from(options)),
         slopes,
         options["theta"],
         options["phi"][0],
@@ -50,6 +51,24 @@ def check_memory(scene: Scene, options: dict[str, Any]) -> None:
             f"--memory {options['memory']} beside --heights {options['heights']}: heights of the "
             "surfaces that a walk remembers are gaussian."
         )
+
+
+def seen_from(options: dict[str, Any], facets: Material) -> Material:
+    """The facets as they are from the side that light comes from: at theta beyond pi/2 from inside,
+    where the surface is turned over. Raises click.BadParameter where there is no such side."""
+    inside = [theta for theta in options["theta"] if theta > math.pi / 2]
+    if not inside:
+        return facets
+    said = f"{inside[0]:.4g} ({in_degrees(inside[0])}) is light from inside"
+    if not facets.transmits:
+        reason = f"{said}, and nothing is inside of --material {facets.name}."
+    elif len(inside) < len(options["theta"]):
+        reason = f"{said}, and other angles are outside; run each side by itself."
+    elif options.get("surface") or options.get("heights_of", "gaussian") != "gaussian":
+        reason = f"{said}, where peaks of this surface are pits; turn it over with --ior 1/N."
+    else:
+        return facets.turned_over
+    raise click.BadParameter(reason, param_hint="--theta")
 
 
 def material_from(options: dict[str, Any]) -> Material:

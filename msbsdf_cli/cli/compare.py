@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import (
     FREE_PATH,
     MODEL,
@@ -25,7 +26,7 @@ Pictures = list[Callable[[], None]]
 """What draws pictures, side by side on all cores."""
 
 
-@click.command("compare")
+@click.command("compare", cls=Page)
 @click.argument("runs", nargs=-1, metavar="[RUN [RUN]]", type=click.Path())
 @use(MODEL[0], "slopes", "gamma", *MODEL_OF_SURFACES[2:], "orders", "method", "memory")
 @samples(None)
@@ -99,11 +100,7 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
         rows, of_both = write(report, draft, simulated, models, walk_on)
         do_all([*of_surfaces, *of_models, *of_both], options["threads"])
 
-    def show() -> None:
-        show_rows(rows)
-        click.echo(f"\n{report.record['summary']}")
-
-    report.end(show)
+    report.end(lambda: show_rows(rows))
 
 
 def take_runs(names: tuple[str, ...], options: dict[str, Any]) -> dict[str, Any]:
@@ -335,21 +332,24 @@ def whose_slopes(surface: Any, model: Any) -> str:
 
 def in_one_sentence(rows: list[Any]) -> str:
     """What a reader would want to know first."""
+    from msbsdf_cli.scene import in_degrees
+
     energies = [r for r in rows if r.quantity == "energy" and r.order != "all"]
     lobes = [r for r in rows if r.quantity == "total_variation" and r.order == "all"]
     escapes = [r for r in rows if r.quantity == "free_path_escape"]
     energy, lobe = max(energies, key=_own), max(lobes, key=_own)
     text = (
         f"Beyond noise, {energy.method} misses the energy of a single order by at most "
-        f"{_size(energy)} (order {energy.order}, {energy.side}, theta {energy.theta_i_rad:.3g}: "
-        f"{energy.modelled:.4f} modelled, {energy.simulated:.4f} simulated), "
-        f"sends at most {_size(lobe)} of the light elsewhere (theta {lobe.theta_i_rad:.3g})"
+        f"{_size(energy)} (order {energy.order}, {energy.side}, theta "
+        f"{in_degrees(energy.theta_i_rad)}: {energy.modelled:.4f} modelled, "
+        f"{energy.simulated:.4f} simulated), "
+        f"sends at most {_size(lobe)} of the light elsewhere (theta {in_degrees(lobe.theta_i_rad)})"
     )
     if escapes:
         escape = max(escapes, key=_own)
         text += (
             f", and misses the fraction of free paths that escape by up to {_size(escape)} "
-            f"({escape.order}, theta_r {escape.theta_i_rad:.3g})"
+            f"({escape.order}, theta_r {in_degrees(escape.theta_i_rad)})"
         )
     return text + "."
 
@@ -365,42 +365,40 @@ def _size(row: Any) -> str:
 
 
 def show_rows(rows: list[Any]) -> None:
-    """Print what differs: how much, how much of it noise explains, how much is the model's own.
+    """Print what differs, light before free paths and the largest first: how much, how much of it
+    noise explains, how much is the model's own.
 
     Lobes order by order, and free paths that all escape or none, are left to agreement.csv.
     """
     from msbsdf_cli.cli.terminal import measured, show_table
+    from msbsdf_cli.scene import in_degrees
 
     header = (
-        "method",
-        "quantity",
-        "theta",
-        "order",
-        "side",
-        "simulated",
-        "modelled",
-        "difference",
-        "noise",
+        *("quantity", "theta", "order", "side", "model's own", "z", "simulated", "modelled"),
+        *("difference", "noise", "method"),
     )
     lines = []
-    for r in rows:
+    for r in sorted(rows, key=lambda r: (r.quantity.startswith("free_path"), -_own(r))):
         if r.quantity == "total_variation" and r.order != "all":
             continue
-        if r.simulated == r.modelled and r.simulated in (0, 1):
+        paths = r.quantity.startswith("free_path")
+        if paths and r.simulated == r.modelled and r.simulated in (0, 1):
             continue
         lines.append(
             (
-                r.method,
                 r.quantity,
-                f"{r.theta_i_rad:.4g}",
+                in_degrees(r.theta_i_rad),
                 r.order,
                 r.side,
+                measured(r.own, r.own_stderr),
+                f"{r.z:.1f}",
                 measured(r.simulated, r.simulated_stderr),
                 measured(r.modelled, r.modelled_stderr),
                 f"{r.difference:.2g}",
                 f"{r.noise:.1g}",
-                measured(r.own, r.own_stderr),
-                f"{r.z:.1f}",
+                r.method,
             )
         )
-    show_table((*header, "model's own", "z"), lines)
+    if len({r.method for r in rows}) > 1:
+        header, lines = (header[-1], *header[:-1]), [(line[-1], *line[:-1]) for line in lines]
+    show_table(header, lines, "agreement.csv", len(rows))

@@ -46,9 +46,4 @@ def compare(options: dict[str, Any]) -> None:
         found = parts(scene, light, walks, models, name)
         pictures += compare_surface.write(place, Path(draft), run, found, about)
         do_all(pictures, options["threads"])
-
-    def show() -> None:
-        compare_surface.show_parts(found)
-        click.echo(f"\n{place.record['summary']}")
-
-    place.end(show)
+    place.end(lambda: compare_surface.show_parts(found))

@@ -56,7 +56,7 @@ def compare(options: dict[str, Any]) -> None:
             pictures += write_part(draft, runs[name], of, kept)[1]
         pictures += write(place, draft, runs, model, resolutions)
         do_all(pictures, options["threads"])
-    place.end(lambda: click.echo(place.record["summary"]))
+    place.end()
 
 
 def write(
@@ -91,6 +91,8 @@ def in_one_sentence(errors: dict[str, tuple[Any, Any, Any]]) -> str:
     """By how much the model is off on each, at the angle where they differ most."""
     import numpy as np
 
+    from msbsdf_cli.scene import in_degrees
+
     theta = next(iter(errors.values()))[0]
     values = np.array([value for _, value, _ in errors.values()])
     apart = np.nan_to_num(np.ptp(values, axis=0), nan=-1, posinf=-1)
@@ -103,7 +105,7 @@ def in_one_sentence(errors: dict[str, tuple[Any, Any, Any]]) -> str:
     ]
     return (
         "The Smith model has one BSDF for all of them: at theta "
-        f"{theta[at]:.3g}, where they differ most, its energy of multiple bounces is "
+        f"{in_degrees(theta[at])}, where they differ most, its energy of multiple bounces is "
         f"{', '.join(said[:-1])} and {said[-1]} surfaces."
     )
 

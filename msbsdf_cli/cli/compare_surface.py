@@ -75,9 +75,8 @@ def compare(options: dict[str, Any]) -> None:
         do_all(pictures, options["threads"])
 
     def show() -> None:
-        own_surface.show_roughness(about, field)
         show_parts(found)
-        click.echo(f"\n{place.record['summary']}")
+        own_surface.show_roughness(about, field)
 
     place.end(show)
 
@@ -153,9 +152,11 @@ def share(row: "Row") -> str:
     """A share of the light in percent, with its error bar, and where."""
     from math import floor, log10
 
+    from msbsdf_cli.scene import in_degrees
+
     value, error = 100 * max(row.own, 0), 100 * row.own_stderr
     digits = min(max(-floor(log10(error)), 0), 4) if 0 < error < float("inf") else 3
-    return f"{value:.{digits}f} +- {error:.{digits}f} % (theta {row.theta_i_rad:.3g})"
+    return f"{value:.{digits}f} +- {error:.{digits}f} % (theta {in_degrees(row.theta_i_rad)})"
 
 
 TITLES = {
@@ -176,11 +177,12 @@ def named(slopes: Any) -> str:
 def show_parts(found: Any) -> None:
     """Print the parts, and what each model would leave out."""
     from msbsdf_cli.cli.terminal import measured, show_table
+    from msbsdf_cli.scene import in_degrees
 
     lines = [
         (
             r.quantity,
-            f"{r.theta_i_rad:.4g}",
+            in_degrees(r.theta_i_rad),
             r.method,
             r.order,
             measured(r.own, r.own_stderr),
@@ -189,4 +191,5 @@ def show_parts(found: Any) -> None:
         for r in found.rows
         if r.side == "all"
     ]
-    show_table(("quantity", "theta", "slopes", "bounces", "share elsewhere", "z"), lines)
+    header = ("quantity", "theta", "slopes", "bounces", "share elsewhere", "z")
+    show_table(header, lines, "agreement.csv", len(found.rows))

@@ -1,13 +1,15 @@
 """`msbsdf evaluate`"""
 
+from dataclasses import fields
 from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, samples, use
 
 
-@click.command("evaluate")
+@click.command("evaluate", cls=Page)
 @use("method", "bidirectional", *MODEL_IN_COLOUR, "phi-o", "points", "orders")
 @samples("1e5")
 @use("seed", "threads", "precision", *REPORT)
@@ -15,14 +17,17 @@ def command(**options: Any) -> None:
     """Evaluate the BSDF along a slice of directions, by any method.
 
     Writes BSDF x cos(theta_o) of each method, order by order and in total, with standard errors,
-    and a picture. Without --method: all methods that hold for the material.
+    a picture, and how far each is from the most trustworthy of them, which is solve where that is
+    named. Without --method: all methods that hold for the material.
     """
     from msbsdf_cli.cli import common
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.evaluate import evaluate
     from msbsdf_cli.experiments.pilot import pilot
+    from msbsdf_cli.experiments.slice_errors import SliceError, slice_errors
     from msbsdf_cli.experiments.slices import slice_directions, slice_table
     from msbsdf_cli.plots.slices import draw_slices
+    from msbsdf_cli.results.files import Table, columns
 
     scene = common.scene_from(options)
     options["method"] = methods = common.methods_for(scene, options["method"])
@@ -44,10 +49,15 @@ def command(**options: Any) -> None:
         values = evaluate(*work, *arithmetic, bidirectional=both_ends)
         report.warn(hardly_known(values))
         table = slice_table(scene, directions, values)
-        more = {"methods": [how_it_went(v) for v in values]}
-        report.write(draft, {"slice.csv": table}, walks, more=more)
+        errors = slice_errors(values, scene.phi)
+        tables: dict[str, Table] = {"slice.csv": table}
+        if errors:
+            tables["errors.csv"] = columns(errors, (f.name for f in fields(SliceError)))
+        went = [how_it_went(v) for v in values]
+        more = {"summary": in_one_sentence(values, errors), "methods": went}
+        report.write(draft, tables, walks, more=more)
         draw_slices(table, draft / "slice.png")
-    report.end(lambda: show(values))
+    report.end(lambda: show_errors(errors) if errors else show(values))
 
 
 def without_effect(options: dict[str, Any]) -> list[str]:
@@ -74,6 +84,7 @@ def how_it_went(values: Any) -> dict[str, Any]:
 def hardly_known(values: list[Any]) -> list[str]:
     """Sentences on where `solve` states a large error of the sum over orders."""
     from msbsdf_cli.methods.solve import VALUE_KNOWN, Solve
+    from msbsdf_cli.scene import in_degrees
 
     errors = (
         (v.theta, v.stderr[:, -1].max() / v.value[:, -1].max())
@@ -81,27 +92,66 @@ def hardly_known(values: list[Any]) -> list[str]:
         if v.method == Solve.name and v.value[:, -1].max() > 0
     )
     return [
-        f"method solve knows values at theta {theta:.4g} to {error:.1g} of the largest only."
+        f"method solve knows values at theta {in_degrees(theta)} to {error:.1g} of the largest "
+        "only."
         for theta, error in errors
         if error > VALUE_KNOWN
     ]
 
 
+def in_one_sentence(values: list[Any], errors: list[Any]) -> str:
+    """How wrong each method is, from the angle and channel where it is least so to where most; of
+    one alone how bright it is."""
+    from msbsdf_cli.cli.terminal import in_percent, measured
+    from msbsdf_cli.scene import in_degrees
+
+    if not errors:
+        v, value, stderr = max((_largest(v) for v in values), key=lambda found: found[1])
+        return (
+            f"BSDF x cos(theta_o) is at most {measured(value, stderr)} a steradian, by {v.method} "
+            f"at theta {in_degrees(v.theta)}; with another method beside it, such as solve, this "
+            "says how wrong one is."
+        )
+    parts = []
+    for method in dict.fromkeys(e.method for e in errors):
+        mine = sorted((e for e in errors if e.method == method), key=lambda e: e.error)
+        said = [
+            f"{in_percent(max(e.error, 0), e.stderr)} (theta {in_degrees(e.theta_i_rad)}"
+            f"{e.channel and f', {e.channel}'})"
+            for e in dict.fromkeys((mine[0], mine[-1]))
+        ]
+        parts.append(f"{method} by {' to '.join(said)}")
+    return f"Against {errors[0].against}, of the light along the slice: {'; '.join(parts)}."
+
+
+def show_errors(errors: list[Any]) -> None:
+    """Print a line for each angle and method, the errors of all channels side by side."""
+    from msbsdf_cli.cli.terminal import in_percent, show_table
+    from msbsdf_cli.scene import in_degrees
+
+    channels = list(dict.fromkeys(e.channel for e in errors))
+    rows: dict[tuple[str, str], list[str]] = {}
+    for e in errors:
+        place = in_degrees(e.theta_i_rad), e.method
+        rows.setdefault(place, []).append(in_percent(max(e.error, 0), e.stderr))
+    header = ("theta", "method", *(f"error {channel}".rstrip() for channel in channels))
+    show_table(header, [(*place, *cells) for place, cells in rows.items()], "errors.csv")
+
+
+def _largest(values: Any) -> tuple[Any, float, float]:
+    """The largest total and its standard error."""
+    total, stderr = values.value[0, -1], values.stderr[0, -1]
+    top = int(total.argmax())
+    return values, float(total[top]), float(stderr[top])
+
+
 def show(values: list[Any]) -> None:
     """Print the largest total of each method and its standard error, and the time it took."""
     from msbsdf_cli.cli.terminal import measured, show_table
+    from msbsdf_cli.scene import in_degrees
 
-    lines = []
-    for v in values:
-        total, stderr = v.value[0, -1], v.stderr[0, -1]
-        top = int(total.argmax())
-        lines.append(
-            (
-                f"{v.theta:.4g}",
-                v.method,
-                measured(float(total[top]), float(stderr[top])),
-                f"{v.unresolved:.2g}",
-                f"{v.seconds:.2f}",
-            )
-        )
-    show_table(("theta", "method", "largest value [1/sr]", "unresolved", "seconds"), lines)
+    lines = [
+        (in_degrees(v.theta), v.method, measured(value, stderr), f"{v.seconds:.2f}")
+        for v, value, stderr in map(_largest, values)
+    ]
+    show_table(("theta", "method", "largest value [1/sr]", "seconds"), lines, "slice.csv")

@@ -4,10 +4,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, use
 
 
-@click.command("export")
+@click.command("export", cls=Page)
 @use(
     "material",
     "slopes",
@@ -69,7 +70,7 @@ def command(**options: Any) -> None:
             both = np.stack(np.broadcast_arrays(directional, mean[:, None]), axis=-1)
             write_exr(draft / "albedo.exr", both, ("directional", "mean"))
         report.write(draft, {}, 0, more={"summary": summary})
-    report.end(lambda: click.echo(summary))
+    report.end()
 
 
 def off(errors: Any) -> str:

@@ -4,10 +4,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Roughness, samples, use
 
 
-@click.command("furnace")
+@click.command("furnace", cls=Page)
 @click.option(
     "--alpha",
     type=Roughness(),
@@ -57,7 +58,8 @@ def command(**options: Any) -> None:
         report.warn(refused)
         table = furnace_table(scene, results)
         walks = options["samples"] * len(results) * len(scene.theta)
-        report.write(draft, {"furnace.csv": table}, walks)
+        more = {"summary": in_one_sentence(scene, results)}
+        report.write(draft, {"furnace.csv": table}, walks, more=more)
         draw_furnace(table, draft / "furnace.png")
         if spheres:
             draw_spheres(spheres, draft / "sphere.png")
@@ -71,6 +73,7 @@ WALKS_PER_S = 2e4
 def hardly_known(scene: Any, results: list[Any]) -> list[str]:
     """Sentences on where `solve` states a large error of an order's energy."""
     from msbsdf_cli.methods.solve import ENERGY_KNOWN, Solve
+    from msbsdf_cli.scene import in_degrees
 
     errors = (
         (r.alpha, theta, stderr[:, :-1].max())
@@ -79,8 +82,8 @@ def hardly_known(scene: Any, results: list[Any]) -> list[str]:
         for theta, stderr in zip(scene.theta, r.stderr.max(axis=0), strict=True)
     )
     return [
-        f"method solve knows the energies of alpha {alpha[0]:g},{alpha[1]:g} at theta {theta:.4g} "
-        f"to {error:.1g} only; --accuracy asks for more nodes."
+        f"method solve knows the energies of alpha {alpha[0]:g},{alpha[1]:g} at theta "
+        f"{in_degrees(theta)} to {error:.1g} only; --accuracy asks for more nodes."
         for alpha, theta, error in errors
         if error > ENERGY_KNOWN
     ]
@@ -100,9 +103,42 @@ def not_reached(results: list[Any], accuracy: float) -> list[str]:
     ]
 
 
+def in_one_sentence(scene: Any, results: list[Any]) -> str:
+    """Where each method loses most light: of what comes in, or, where facets absorb, of what the
+    most trustworthy one sends back."""
+    from math import hypot
+
+    import numpy as np
+
+    from msbsdf_cli.cli.terminal import in_percent
+    from msbsdf_cli.methods.registry import most_trusted
+    from msbsdf_cli.scene import in_degrees
+
+    against = most_trusted(r.method for r in results) if scene.material.absorbs else None
+    truth = {r.alpha: r for r in results if r.method == against}
+    worst: dict[str, tuple[float, float, str]] = {}
+    for r in (r for r in results if r.method != against):
+        value, stderr = r.value[..., -1], r.stderr[..., -1]
+        for place in np.ndindex(value.shape):
+            whole, doubt = 1.0, 0.0
+            if against is not None:
+                of = truth[r.alpha]
+                whole, doubt = float(of.value[place][-1]), float(of.stderr[place][-1])
+            lost = 1 - float(value[place]) / whole
+            error = hypot(float(stderr[place]), (1 - lost) * doubt) / whole
+            alpha = ",".join(f"{a:g}" for a in dict.fromkeys(r.alpha))
+            where = f"alpha {alpha}, theta {in_degrees(scene.theta[place[1]])}"
+            worst[r.method] = max(worst.get(r.method, (-1.0, 0.0, "")), (lost, error, where))
+    of_what = f" of the light that {against} sends back" if against else ""
+    order = sorted(worst, key=lambda name: -worst[name][0])
+    parts = [f"{name} {in_percent(*worst[name][:2])} ({worst[name][2]})" for name in order]
+    return f"The most that each method loses{of_what}: {'; '.join(parts)}."
+
+
 def show(scene: Any, results: list[Any]) -> None:
     """Print the albedo of the first channel, a line for each method and roughness."""
     from msbsdf_cli.cli.terminal import measured, show_table
+    from msbsdf_cli.scene import in_degrees
 
     lines = [
         (
@@ -115,4 +151,4 @@ def show(scene: Any, results: list[Any]) -> None:
         )
         for r in results
     ]
-    show_table(("method", "alpha", *(f"{t:.4g}" for t in scene.theta)), lines)
+    show_table(("method", "alpha", *map(in_degrees, scene.theta)), lines, "furnace.csv")

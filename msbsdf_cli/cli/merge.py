@@ -6,10 +6,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, use
 
 
-@click.command("merge")
+@click.command("merge", cls=Page)
 @click.argument("directories", nargs=-1, required=True, metavar="DIR...", type=click.Path())
 @use(*REPORT)
 def command(directories: tuple[str, ...], **options: Any) -> None:

@@ -13,7 +13,10 @@ from msbsdf_cli.run.executors import do_all
 
 Options = dict[str, Any]
 
-OF_ONE_REPORT = "seed", "out", "force", "quiet", "as_json", "threads", "samples", "save_mesh"
+OF_ONE_REPORT = (
+    *("seed", "out", "force", "format", "quiet", "as_json", "threads"),
+    *("samples", "save_mesh"),
+)
 """Options in which runs that are put together may differ."""
 
 OF_ONE_SHARE = "seeds", "shard"

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.smith.slopes import NAMES as SLOPES
@@ -64,12 +65,20 @@ class Roughness(Typed):
 
 
 class Angles(Typed):
-    """Angles in radians, or in degrees where a value ends in `deg`, separated by commas."""
+    """Angles in radians, or in degrees where a value ends in `deg`, separated by commas; `but` is
+    none."""
 
     name = "T[,T...]"
 
-    def __init__(self, low: float, high: float, where: str, count: int | None = None) -> None:
-        self.low, self.high, self.where, self.count = low, high, where, count
+    def __init__(
+        self,
+        low: float,
+        high: float,
+        where: str,
+        count: int | None = None,
+        but: float = math.inf,
+    ) -> None:
+        self.low, self.high, self.where, self.count, self.but = low, high, where, count, but
 
     def read(self, text: str) -> tuple[float, ...]:
         angles = []
@@ -77,7 +86,13 @@ class Angles(Typed):
             factor = math.pi / 180 if part.endswith("deg") else 1.0
             angle = _numbers(part.removesuffix("deg"))[0] * factor
             if not self.low <= angle < self.high:
-                raise ValueError(f"{quoted(part)} is not an angle {self.where}.")
+                meant = factor == 1 and self.low <= math.radians(angle) < self.high
+                hint = f" Is it {part}deg?" if meant else ""
+                raise ValueError(f"{quoted(part)} is not an angle {self.where}.{hint}")
+            if angle == self.but:
+                raise ValueError(
+                    f"{quoted(part)} is not an angle of incidence: such light meets nothing."
+                )
             angles.append(angle)
         if self.count is not None and len(angles) != self.count:
             raise ValueError(f"{quoted(text)}: one angle is wanted.")
@@ -228,7 +243,8 @@ class Lengths(Typed):
 
 
 class Methods(Typed):
-    """Names of methods separated by commas, and of what else is `also` taken for one."""
+    """Names of methods separated by commas, and of what else is `also` taken for one; a shell
+    completes the last of them."""
 
     name = "NAME[,NAME...]"
 
@@ -241,6 +257,13 @@ class Methods(Typed):
             if name not in self.names:
                 raise ValueError(f"{quoted(name)} is not a method; --help lists them.")
         return names
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        before, comma, last = incomplete.rpartition(",")
+        fitting = (name for name in self.names if name.startswith(last))
+        return [CompletionItem(f"{before}{comma}{name}") for name in fitting]
 
 
 _OPTIONS: dict[str, Any] = {
@@ -273,14 +296,15 @@ _OPTIONS: dict[str, Any] = {
     ),
     "alpha": dict(type=Roughness(), default="0.5", help="Roughness, along x and y."),
     "theta": dict(
-        type=Angles(0, math.pi / 2, "from 0 to below pi/2 (90deg)"),
+        type=Angles(0, math.nextafter(math.pi, 4), "from 0 to pi (180deg)", but=math.pi / 2),
         default="0,0.5,1,1.5",
-        help="Incident polar angles in radians; a value may end in deg.",
+        help="Incident polar angles in radians, or with deg behind, such as 30deg; of a dielectric "
+        "beyond 90deg from inside.",
     ),
     "theta-furnace": dict(
         type=Angles(0, math.pi / 2, "from 0 to below pi/2 (90deg)"),
         default="0,0.3,0.6,0.9,1.1,1.3,1.4,1.5",
-        help="Incident polar angles in radians; a value may end in deg.",
+        help="Incident polar angles in radians, or with deg behind, such as 30deg.",
     ),
     "phi": dict(
         type=Angles(-math.inf, math.inf, "in radians", count=1),
@@ -295,7 +319,8 @@ _OPTIONS: dict[str, Any] = {
         ),
         default="1.5",
         metavar="N",
-        help="Dielectric: index inside over index outside.",
+        help="Dielectric: index inside over index outside; 0.667 is glass seen from inside, as "
+        "--theta beyond 90deg is of 1.5.",
     ),
     "metal": dict(
         type=click.Choice(tuple(METALS)),
@@ -457,6 +482,11 @@ _OPTIONS: dict[str, Any] = {
     "out": dict(type=click.Path(file_okay=False), metavar="DIR", help="Where the report goes."),
     "force": dict(is_flag=True, help="Replace a report that is already there."),
     "quiet": dict(is_flag=True, help="No progress and no table."),
+    "format": dict(
+        type=click.Choice(["png", "svg", "pdf"]),
+        default="png",
+        help="What pictures are written as.",
+    ),
     "json": dict(is_flag=True, help="The summary as one JSON object on standard output."),
 }
 
@@ -512,7 +542,7 @@ MODEL_IN_COLOUR = (
 RESOLUTION = ("autocorrelation", "accuracy", "cells", "extent", "realisations", "waves")
 OF_FILE = ("step", "height-unit", "periodic", "detrend", "filter")
 FREE_PATH = ("free-path-theta", "free-path-height")
-REPORT = ("out", "force", "quiet", "json")
+REPORT = ("out", "force", "format", "quiet", "json")
 
 
 def samples(default: str | None) -> Decorator:

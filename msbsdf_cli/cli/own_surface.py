@@ -99,8 +99,8 @@ def simulate(options: dict[str, Any]) -> None:
         do_all(pictures, options["threads"])
 
     def show() -> None:
-        show_roughness(about, field)
         show_run(lobes, result, "rays")
+        show_roughness(about, field)
 
     place.end(show)
 
@@ -198,6 +198,8 @@ def show_roughness(about: Any, field: Any) -> None:
 
 def show_quantities(about: Any) -> None:
     """Print roughness and what fits to it."""
+    import math
+
     from msbsdf_cli.cli.terminal import measured, show_table
 
     lines = []
@@ -207,5 +209,14 @@ def show_quantities(about: Any) -> None:
             if name == "m":
                 name = next((u for u, size in reversed(UNITS.items()) if row.value >= size), "nm")
             size = UNITS.get(name, 1.0)
-            lines.append((row.quantity, measured(row.value / size, row.stderr / size), name, note))
-    show_table(("quantity", "value", "unit", "note"), lines)
+            if name == "rad":
+                size, name = math.pi / 180, "degrees"
+            lines.append(
+                (
+                    row.quantity.removesuffix("_rad"),
+                    measured(row.value / size, row.stderr / size),
+                    name,
+                    note,
+                )
+            )
+    show_table(("quantity", "value", "unit", "note"), lines, "roughness.csv", len(about.rows))

@@ -2,17 +2,19 @@
 
 import math
 from dataclasses import fields
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, Real, samples, use
 from msbsdf_cli.experiments.render.scenes import NAMES as SCENES
 from msbsdf_cli.results.files import columns
 
 
-@click.command("recommend")
+@click.command("recommend", cls=Page)
 @click.argument("scene", required=False, metavar="[SCENE]", type=click.Path(dir_okay=False))
 @click.option(
     "--against",
@@ -60,6 +62,11 @@ def command(**options: Any) -> None:
     from msbsdf_cli.plots.recommendation import draw_recommendations
 
     rendered = options["scene"] in SCENES
+    if not (rendered or Path(options["scene"]).exists()):
+        raise click.BadParameter(
+            f"{options['scene']} is no file, and none of the scenes {', '.join(SCENES)}.",
+            param_hint="SCENE",
+        )
     try:
         content = scene_of(options["scene"]) if rendered else read_scene(options["scene"])
     except SceneFileError as error:
@@ -86,7 +93,7 @@ def command(**options: Any) -> None:
             tables["picture.csv"] = columns(pictures, ("surface", "method", "error", "error_bound"))
         report.write(draft, tables, 0, more={"summary": sentences})
         draw_recommendations(found, wanted, options["against"], draft / "recommendation.png")
-    report.end(lambda: click.echo("\n".join(sentences)))
+    report.end()
 
 
 TOLERANCE = 0.01
@@ -122,9 +129,25 @@ def write_sheet(options: dict[str, Any]) -> None:
     with report.draft() as draft:
         entries = sheet(options["threads"], options["quiet"])
         table = columns(entries, (f.name for f in fields(Entry)))
-        report.write(draft, {"sheet.csv": table}, 0)
+        report.write(draft, {"sheet.csv": table}, 0, more={"summary": of_sheet(entries)})
         draw_sheet(entries, draft / "sheet.png")
     report.end(lambda: show_sheet(entries))
+
+
+def of_sheet(entries: list[Any]) -> str:
+    """How often a single bounce is enough, and where most are needed, at the middle tolerance."""
+    from msbsdf_cli.cli.recommend_words import percent
+    from msbsdf_cli.scene import in_degrees
+
+    tolerances = sorted({e.tolerance for e in entries})
+    mine = [e for e in entries if e.tolerance == tolerances[len(tolerances) // 2]]
+    once = sum(e.bounces == 1 for e in mine)
+    most = max(mine, key=lambda e: e.bounces)
+    return (
+        f"Within {percent(most.tolerance)} one bounce is enough in {once} of {len(mine)} cases; "
+        f"{most.material} of {most.slopes} slopes at alpha {most.alpha:.3g} and theta "
+        f"{in_degrees(most.theta_i_rad)} needs most, {most.bounces} bounces."
+    )
 
 
 def show_sheet(entries: list[Any]) -> None:
@@ -140,7 +163,7 @@ def show_sheet(entries: list[Any]) -> None:
         row[k] = max(row[k], e.bounces)
     click.echo("The most bounces that any roughness and angle needs:")
     lines = [(*kind, *map(str, row)) for kind, row in most.items()]
-    show_table(("material", "slopes", *(percent(t) for t in tolerances)), lines)
+    show_table(("material", "slopes", *(percent(t) for t in tolerances)), lines, "sheet.csv")
 
 
 def time_warnings(surfaces: list[Any], options: dict[str, Any]) -> list[str]:
@@ -164,8 +187,6 @@ def time_warnings(surfaces: list[Any], options: dict[str, Any]) -> list[str]:
 
 
 def _slug(scene: str) -> str:
-    from pathlib import Path
-
     return "".join(c if c.isalnum() else "-" for c in Path(scene).stem) or "scene"
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Count, use
 from msbsdf_cli.experiments.render.scenes import NAMES, TEXTURES
 
@@ -20,7 +21,7 @@ def own_defaults(function: Any) -> Any:
     return function
 
 
-@click.command("render")
+@click.command("render", cls=Page)
 @click.argument(
     "scene", required=False, default="plate", type=click.Choice(NAMES), metavar="[SCENE]"
 )
@@ -92,7 +93,8 @@ def command(**options: Any) -> None:
         pictures = render(stage, surface.slopes, surface.material, methods, settings, *around)
         report.warn(what_happened(pictures))
         table = table_of(pictures)
-        report.write(draft, {"render.csv": table}, paths, more={"exposure": stage.exposure})
+        more = {"exposure": stage.exposure, "summary": in_one_sentence(table, options)}
+        report.write(draft, {"render.csv": table}, paths, more=more)
         save_arrays(pictures, draft, options["exr"])
         draw_pictures(pictures, stage.exposure, draft / "render.png")
     report.end(lambda: show(table))
@@ -107,7 +109,7 @@ def write_claims(options: dict[str, Any]) -> None:
     from msbsdf_cli.results.files import columns
 
     given = click.get_current_context().get_parameter_source
-    counts = ("claims", "seed", "threads", "out", "force", "quiet", "as_json")
+    counts = ("claims", "seed", "threads", "out", "force", "format", "quiet", "as_json")
     for name in [name for name in options if name not in counts]:
         if given(name) is click.core.ParameterSource.COMMANDLINE:
             said = "SCENE" if name == "scene" else f"--{name.replace('_', '-')}"
@@ -118,8 +120,16 @@ def write_claims(options: dict[str, Any]) -> None:
     with report.draft() as draft:
         found = claims(options["seed"], options["threads"], options["quiet"])
         table = columns(found, (f.name for f in fields(Claim)))
-        report.write(draft, {"claims.csv": table}, 0)
+        report.write(draft, {"claims.csv": table}, 0, more={"summary": of_claims(found)})
     report.end(lambda: show_claims(found))
+
+
+def of_claims(found: list[Any]) -> str:
+    """How many claims have which verdict."""
+    from collections import Counter
+
+    counted = Counter("hold" if c.verdict == "holds" else f"are {c.verdict}" for c in found)
+    return f"Of {len(found)} claims {', '.join(f'{n} {v}' for v, n in counted.items())}."
 
 
 def show_claims(found: list[Any]) -> None:
@@ -127,7 +137,7 @@ def show_claims(found: list[Any]) -> None:
     from msbsdf_cli.cli.terminal import measured, show_table
 
     rows = [(c.claim, f"{c.published:g}", measured(c.measured, c.stderr), c.verdict) for c in found]
-    show_table(("claim", "published", "measured", "verdict"), rows)
+    show_table(("claim", "published", "measured", "verdict"), rows, "claims.csv")
 
 
 def without_effect(options: dict[str, Any]) -> list[str]:
@@ -240,6 +250,24 @@ def save_arrays(pictures: list[Any], draft: Path, exr: bool) -> None:
                 write_exr(draft / f"{name}.exr", linear)
 
 
+def in_one_sentence(table: Any, options: dict[str, Any]) -> str:
+    """Noise and time of each method, and how far its picture is from the first."""
+    from msbsdf_cli.cli.terminal import in_percent
+
+    parts, first = [], table["luminance"][0]
+    for k, name in enumerate(table["method"]):
+        text = f"{name} takes {table['seconds'][k] + table['setup_seconds'][k]:.2g} s"
+        text += f" and leaves {100 * table['noise'][k]:.2g} % of noise"
+        if k and first > 0:
+            apart = in_percent(
+                abs(table["difference"][k]) / first, table["difference_stderr"][k] / first
+            )
+            side = "brighter" if table["difference"][k] > 0 else "darker"
+            text += f", {apart} {side} than {table['method'][0]}"
+        parts.append(text)
+    return f"At {options['samples']} paths a pixel {'; '.join(parts)}."
+
+
 def show(table: Any) -> None:
     """Print a line for each method."""
     from msbsdf_cli.cli.terminal import measured, show_table
@@ -257,7 +285,7 @@ def show(table: Any) -> None:
         for k in range(len(table["method"]))
     ]
     head = ("method", "mean luminance", "noise of a pixel", "processor s", "of tables")
-    show_table((*head, "surfaces", "difference"), rows)
+    show_table((*head, "surfaces", "difference"), rows, "render.csv")
     for name, error in zip(table["method"], table["table_error"], strict=True):
         if error:
             click.echo(f"The table of {name} is off by {100 * error:.2g} %, which no error shows.")

@@ -1,5 +1,6 @@
 """A command's report: its place, the warnings, what run.json says, and the words at the end."""
 
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,6 +10,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.plots import FORMAT
 from msbsdf_cli.results.files import (
     Table,
     json_text,
@@ -81,6 +83,7 @@ class Report(Part):
         from msbsdf_cli.pages.page import write_page
 
         wanted = self.place.out
+        os.environ[FORMAT] = self.options["format"]
         with self.place.draft() as draft:
             yield draft
             write_page(draft)
@@ -90,10 +93,15 @@ class Report(Part):
                 err=True,
             )
 
-    def end(self, show: Callable[[], None]) -> None:
-        """Say what came out: as JSON, by `show` and where the report is, or not at all."""
+    def end(self, show: Callable[[], None] = lambda: None) -> None:
+        """Say what came out: as JSON; the verdict first, then what `show` prints, and where the
+        report is; or not at all."""
+        from msbsdf_cli.cli.terminal import say
+
+        summary = self.record.get("summary", [])
         if self.options["as_json"]:
             click.echo(json_text(self.record | {"report": str(self.place.out)}))
         elif not self.options["quiet"]:
+            say(summary if isinstance(summary, str) else "\n".join(summary))
             show()
             click.echo(f"Report: {self.place.out}")

@@ -8,11 +8,12 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.report import Part
-from msbsdf_cli.cli.terminal import measured, show_table
+from msbsdf_cli.cli.terminal import in_percent, measured, show_table
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.run import Run, load_run
 from msbsdf_cli.results.seal import unsealed
+from msbsdf_cli.scene import in_degrees
 from msbsdf_cli.statistics.tally import REST, SIDES
 
 PRODUCERS = "simulate", "walk"
@@ -33,7 +34,7 @@ def write_run(
 
     lobes = run.lobes()
     figures = run.paths, run.bounces_mean, run.wall_s
-    more = {"energies": summary(run)} | run.notes
+    more = {"energies": summary(run), "summary": in_one_sentence(run)} | run.notes
     report.write(draft, all_tables(run, lobes) | (tables or {}), *figures, more)
     run.save(draft / SUMS)
     pictures: list[Callable[[], None]] = [
@@ -84,6 +85,23 @@ def summary(run: Run) -> list[dict[str, Any]]:
     return entries
 
 
+def in_one_sentence(run: Run) -> str:
+    """How much light leaves after one bounce and after more, at the angles where that is least and
+    most."""
+    shares = [
+        (more, once, theta)
+        for theta, (once, more) in zip(run.scene.theta, run.bounces(), strict=True)
+    ]
+    most, *others = dict.fromkeys((max(shares), min(shares)))
+    text = (
+        f"At theta {in_degrees(most[-1])} {in_percent(*most[1])} of the light leaves after one "
+        f"bounce and {in_percent(*most[0])} after more"
+    )
+    for more, once, theta in others:
+        text += f"; at {in_degrees(theta)} {in_percent(*once)} and {in_percent(*more)}"
+    return f"{text}."
+
+
 def show_run(lobes: Lobes, run: Run, unit: str) -> None:
     """Print energies per order and side, with standard errors in the last digits."""
     prefixes = [""] if len(lobes.sides) == 1 else ["R ", "T "]
@@ -93,8 +111,8 @@ def show_run(lobes: Lobes, run: Run, unit: str) -> None:
         value, stderr = (a[i].T.ravel() for a in (lobes.energy.value, lobes.energy.stderr))
         cells = [measured(v, e) for v, e in zip(value, stderr, strict=True)][: len(names)]
         rest = [measured(lobes.rest[n].value[i], lobes.rest[n].stderr[i]) for n in REST]
-        rows.append([f"{theta:.4g}", *cells, *rest])
-    show_table(["theta", *names, *REST], rows)
+        rows.append([in_degrees(theta), *cells, *rest])
+    show_table(["theta", *names, *REST], rows, "energy.csv")
     click.echo(
         f"{run.paths / run.wall_s:.3g} {unit} a second for {run.wall_s:.1f} s, "
         f"{run.bounces_mean:.3f} facets each."

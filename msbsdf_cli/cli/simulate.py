@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.meshes import BYTES_PER_CELL, refuse_mesh, write_mesh
 from msbsdf_cli.cli.options import (
     FREE_PATH,
@@ -25,7 +26,7 @@ CELLS_OF_PICTURE = 32
 """So that a person sees the surface and not the mesh."""
 
 
-@click.command("simulate")
+@click.command("simulate", cls=Page)
 @use(*MODEL_OF_SURFACES, "orders")
 @samples(None)
 @use("heights-of", *RESOLUTION, "convergence", "save-mesh", "surface", *OF_FILE, "wavelength")
@@ -69,9 +70,9 @@ def command(**options: Any) -> None:
             f"{resolution.realisations} surfaces of {resolution.lengths:.4g} correlation lengths, "
             f"{resolution.cells * resolution.extent} cells along a side."
         )
+        show_run(lobes, result, "rays")
         if about is not None:
             show_quantities(about)
-        show_run(lobes, result, "rays")
 
     report.end(show)
 
@@ -140,13 +141,16 @@ def surface_warnings(options: dict[str, Any]) -> list[str]:
     """Sentences on what costs accuracy or hours on surfaces."""
     import math
 
+    from msbsdf_cli.scene import from_normal, in_degrees
+
     warnings = []
     longest = 2 * options["extent"] / min(options["alpha"])
-    periods = 8 * math.tan(max(options["theta"])) / longest
+    theta = max(options["theta"], key=from_normal)
+    periods = 8 * math.tan(from_normal(theta)) / longest
     if periods > 100:
         warnings.append(
-            f"theta {max(options['theta']):g} is so near the horizon that a ray crosses up to "
-            f"{periods:.0f} periods of the surface before it meets it; the run takes long."
+            f"theta {in_degrees(theta)} is so near the horizon that a ray crosses "
+            f"up to {periods:.0f} periods of the surface before it meets it; the run takes long."
         )
     if options["realisations"] < 8:
         warnings.append(

@@ -4,13 +4,14 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, use
 
 FULL_MINUTES = 20
 """About how long the full map takes on two cores."""
 
 
-@click.command("stability")
+@click.command("stability", cls=Page)
 @click.option(
     "--full", is_flag=True, help="Every value, material and slope distribution: some 20 minutes."
 )
@@ -65,7 +66,12 @@ def command(**options: Any) -> None:
                 rows = [row for row in rows if row.cell == options["cell"]]
         table = columns(rows, Row.__dataclass_fields__)
         counted = counts(rows)
-        report.write(draft, {"stability.csv": table}, len(rows), more={"verdicts": counted})
+        report.write(
+            draft,
+            {"stability.csv": table},
+            len(rows),
+            more={"summary": in_one_sentence(counted), "verdicts": counted},
+        )
         if options["cell"] is None:
             draw_stability(rows, METHOD, draft)
     pieces.remove()
@@ -113,15 +119,30 @@ def counts(rows: list[Any]) -> dict[str, dict[str, int]]:
     return found
 
 
+def in_one_sentence(counted: dict[str, dict[str, int]]) -> str:
+    """How many cells have which verdict, and who fails most."""
+    from collections import Counter
+
+    from msbsdf_cli.experiments.stability.verdicts import FAILS, VERDICTS
+
+    total: Counter[str] = sum((Counter(of) for of in counted.values()), Counter())
+    verbs = "work", "are degraded", "fail", "are refused", "are unknown"
+    said = zip(VERDICTS, verbs, strict=True)
+    parts = [f"{total[verdict]} {verb}" for verdict, verb in said if total[verdict]]
+    most = max(counted, key=lambda name: counted[name][FAILS], default="")
+    text = f"Of {total.total()} cells: {', '.join(parts)}"
+    return text + (f"; {most} fails most, in {counted[most][FAILS]}." if total[FAILS] else ".")
+
+
 def show(rows: list[Any], counted: dict[str, dict[str, int]]) -> None:
     """Print how often each verdict was given; of one cell all that is known."""
     from msbsdf_cli.cli.terminal import show_table
-    from msbsdf_cli.experiments.stability.verdicts import VERDICTS
+    from msbsdf_cli.experiments.stability.verdicts import FAILS, VERDICTS
 
     if len(rows) == 1:
-        show_table(("", ""), [(k, f"{v}") for k, v in vars(rows[0]).items()])
+        for name, value in vars(rows[0]).items():
+            click.echo(f"{name}: {value}")
         return
-    lines = [
-        (*name.rsplit(" ", 1), *(f"{of[v]}" for v in VERDICTS)) for name, of in counted.items()
-    ]
-    show_table(("method", "precision", *VERDICTS), lines)
+    order = sorted(counted.items(), key=lambda each: -each[1][FAILS])
+    lines = [(*name.rsplit(" ", 1), *(f"{of[v]}" for v in VERDICTS)) for name, of in order]
+    show_table(("method", "precision", *VERDICTS), lines, "stability.csv")

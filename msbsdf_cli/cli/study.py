@@ -23,7 +23,7 @@ TABLES = {
 """The commands that can be swept, and their main tables."""
 
 NOT_SWEPT = (
-    *("out", "force", "quiet", "as_json", "threads"),
+    *("out", "force", "format", "quiet", "as_json", "threads"),
     *("surface", "step", "height_unit", "periodic", "detrend", "filter", "wavelength"),
     *("save_mesh", "convergence"),
 )

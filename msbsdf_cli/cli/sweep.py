@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, Typed, quoted, use
 
 
@@ -30,7 +31,7 @@ DEFAULT = (
 """What is swept where nothing is asked for: a map worth looking at, in less than a minute."""
 
 
-@click.command("sweep", context_settings={"ignore_unknown_options": True})
+@click.command("sweep", cls=Page, context_settings={"ignore_unknown_options": True})
 @click.argument("command", metavar="COMMAND|FILE.toml", default="")
 @click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[OPTIONS OF COMMAND]...")
 @click.option("--scheduler", metavar="URL", help="Dask scheduler, such as tcp://HOST:PORT.")

@@ -174,7 +174,7 @@ def write_plan(report: Report, sweep: Sweep, pieces: int) -> None:
                 what = piece.kind, piece.seed, piece.part, len(piece.places)
                 writer.writerow((i, *what, *first, f"{seconds:.3g}"))
         report.write(draft, {}, pieces, more={"dry_run": True})
-    report.end(lambda: None)
+    report.end()
 
 
 def do(sweep: Sweep, store: PieceStore, own: Options, total: int) -> dict[str, str]:
@@ -233,11 +233,13 @@ def write(
         rows.write(states)
         pack(draft / ARCHIVE, plan, failures, *parts)
         report.warn(rows.warnings())
+        grid = draw_sweep(draft / TABLE, draft / "sweep.png") if rows.rows else None
+        said = f"{rows.cases - rows.failures} of {rows.cases} cases were measured."
+        if grid is not None:
+            said += f" {grid.extreme()}"
         figures = {"cases": rows.cases, "rows": rows.rows, "failures": rows.failures}
-        report.write(draft, {}, max(rows.cases, 1), more=figures)
-        if rows.rows:
-            draw_sweep(draft / TABLE, draft / "sweep.png")
-    report.end(lambda: click.echo(f"{rows.rows} rows of {rows.cases} cases."))
+        report.write(draft, {}, max(rows.cases, 1), more={"summary": said, **figures})
+    report.end()
     if rows.cases and rows.failures == rows.cases:
         raise click.ClickException(f"every case failed: {rows.reason}")
 

@@ -5,10 +5,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import MODEL, REPORT, RESOLUTION, Count, samples, use
 
 
-@click.command("tradeoff")
+@click.command("tradeoff", cls=Page)
 @use("method", *(name for name in MODEL if name != "heights"), "orders")
 @samples("4096")
 @click.option(
@@ -90,7 +91,7 @@ def command(**options: Any) -> None:
         if result.energies:
             draw_tradeoff(result.energies, [], draft / "energies.png", "energies of orders")
         draw_scaling(result.scaling, draft / "scaling.png")
-    report.end(lambda: show(result.rows, report.record["summary"]))
+    report.end(lambda: show(result.rows))
 
 
 NO_SURFACES = (
@@ -172,9 +173,10 @@ def in_words(result: Any) -> dict[str, Any]:
 def _apart(floors: list[Any], model: str) -> str:
     """How far a model is from the surfaces, angle by angle; nothing where that was not measured."""
     from msbsdf_cli.cli.terminal import measured
+    from msbsdf_cli.scene import in_degrees
 
     return ", ".join(
-        f"{measured(f.relative_rmse, f.stderr)} at theta {f.theta_i_rad:.4g}"
+        f"{measured(f.relative_rmse, f.stderr)} at theta {in_degrees(f.theta_i_rad)}"
         for f in floors
         if (f.floor, f.model) == ("model", model)
     )
@@ -217,25 +219,25 @@ def work_s(options: dict[str, Any]) -> float:
     return float(runs * (methods * walks + directions) * options["threads"])
 
 
-def show(rows: list[Any], summary: str) -> None:
+def show(rows: list[Any]) -> None:
     """Print the dearest setting of each method, angle by angle, and what floors there are."""
     from msbsdf_cli.cli.terminal import measured, show_table
+    from msbsdf_cli.scene import in_degrees
 
     last = {(r.theta_i_rad, r.method): r for r in rows}
     lines = [
         (
-            f"{r.theta_i_rad:.4g}",
+            in_degrees(r.theta_i_rad),
             r.method,
             measured(r.relative_rmse, r.relative_rmse_stderr),
             f"{r.bias:.2g}" if r.bias_z > 3 or r.samples == 0 else "",
             f"{r.seconds:.2g}",
             f"{r.setup_s:.2g}" if r.setup_s > 1e-4 else "",
             f"{r.efficiency_with_setup:.3g}",
-            f"{r.slope:.2f}",
-            f"{r.to_surfaces:.2g}",
+            f"{r.slope:.2f}" if r.slope == r.slope else "",
+            f"{r.to_surfaces:.2g}" if r.to_surfaces == r.to_surfaces else "",
         )
         for r in sorted(last.values(), key=lambda r: r.theta_i_rad)
     ]
     header = ("theta", "method", "relative RMSE", "bias", "seconds", "set-up", "efficiency")
-    show_table((*header, "slope", "to surfaces"), lines)
-    click.echo(summary)
+    show_table((*header, "slope", "to surfaces"), lines, "tradeoff.csv", len(rows))

@@ -5,12 +5,13 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, Count, use
 
 SAMPLES, QUICK_SAMPLES = 2_000_000, 50_000
 
 
-@click.command("validate")
+@click.command("validate", cls=Page)
 @click.option(
     "--quick", is_flag=True, help="Fewer samples and configurations: half a minute or less."
 )
@@ -51,19 +52,18 @@ def command(**options: Any) -> None:
         report.write(draft, tables, suite.samples, None, suite.wall_s, more)
         draw_identities(rows, draft / "identities.png")
         draw_reciprocity(rows, draft / "reciprocity.png")
-    report.end(lambda: show(rows, summary(rows)))
+    report.end(lambda: show(rows))
     if any(row.failed for row in rows):
         sys.exit(3)
 
 
-def show(rows: list[Any], summary: str) -> None:
-    """Print a line for each identity, and one for each of its rows that fails."""
+def show(rows: list[Any]) -> None:
+    """Print a line for each row that fails, and one for each identity, the worst first."""
     from msbsdf_cli.cli.terminal import show_table
     from msbsdf_cli.validation.table import FAILURE_HEADER, HEADER, failures, lines
 
-    show_table(HEADER, lines(rows))
     failed = failures(rows)
     if failed:
+        show_table(FAILURE_HEADER, failed, "identities.csv")
         click.echo()
-        show_table(FAILURE_HEADER, failed)
-    click.echo(f"\n{summary}")
+    show_table(HEADER, lines(rows), "identities.csv")

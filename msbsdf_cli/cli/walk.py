@@ -4,10 +4,11 @@ from typing import Any
 
 import click
 
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import FREE_PATH, MODEL, OF_FILE, REPORT, samples, use
 
 
-@click.command("walk")
+@click.command("walk", cls=Page)
 @use(MODEL[0], "slopes-or-surface", *MODEL[2:], "orders")
 @samples("4e6")
 @use(

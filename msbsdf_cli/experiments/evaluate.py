@@ -58,6 +58,9 @@ class Values:
     """Of all parts together, on one core each."""
     energy: Array | None = None
     """Energy of each order and side and its standard error, (2, channels, orders + 1, 2)."""
+    groups: Array | None = None
+    """Totals by independent groups of the samples, (groups, channels, n), whose scatter is that of
+    anything made of several directions; None of a method without noise."""
 
 
 def evaluate(
@@ -218,4 +221,12 @@ def _merge(
         max(part.evaluation.unresolved for part in parts),
         sum(part.seconds for part in parts),
         energy,
+        _groups(totals, share) if noise and len(turns) == 1 and len(parts) > 1 else None,
     )
+
+
+def _groups(totals: Array, share: Array) -> Array:
+    """Means of totals (parts, channels, n) of shares (parts,) over groups of parts."""
+    count = min(PARTS, len(totals))
+    strided = (slice(k, None, count) for k in range(count))
+    return np.array([np.average(totals[k], axis=0, weights=share[k]) for k in strided])

@@ -8,7 +8,7 @@ from scipy.stats import qmc
 from msbsdf_cli.experiments.evaluate import evaluate
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.run.executors import Workers
-from msbsdf_cli.scene import Scene
+from msbsdf_cli.scene import Scene, from_normal
 from msbsdf_cli.statistics.binning import PHI_BINS, lobe_axes
 from msbsdf_cli.statistics.tally import Estimate
 from surfaces.facet import Array
@@ -73,7 +73,7 @@ def places(scene: Scene) -> int:
     if not material.specular:
         return 2
     bend = 1 - min(material.ior, 1 / material.ior) if material.transmits else 2.0
-    width = bend * min(scene.alpha) * math.cos(max(scene.theta)) / math.sqrt(2)
+    width = bend * min(scene.alpha) * math.cos(max(map(from_normal, scene.theta))) / math.sqrt(2)
     wanted = 2 * (2 * math.pi / PHI_BINS) / width
     return min(2 ** max(math.ceil(math.log2(wanted)), 1), MOST_PLACES)
 

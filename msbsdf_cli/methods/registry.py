@@ -1,6 +1,6 @@
 """The methods by name, each imported only when it is asked for."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -47,6 +47,17 @@ def holds(method: str, slopes: "Slopes", material: "Material") -> bool:
     except UnsupportedError:
         return False
     return True
+
+
+def most_trusted(methods: Iterable[str]) -> str | None:
+    """The one of these methods that others are held against: of the Smith model with all its
+    bounces, without noise where there is one, else the first; None where there is none."""
+    whole = []
+    for name in methods:
+        traits = METHODS[name].traits
+        if traits.model == "smith" and traits.conserves_energy and traits.consistent:
+            whole.append(name)
+    return min(whole, key=lambda name: not METHODS[name].deterministic, default=None)
 
 
 METHODS: Mapping[str, "type[Method]"] = _Lazy()

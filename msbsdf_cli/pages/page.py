@@ -91,7 +91,7 @@ def _words(values: dict[str, Any]) -> dict[str, str]:
 
 def _pictures(directory: Path) -> tuple[list[Picture], list[Picture]]:
     """The pictures of the report, and those of single angles, which a slider turns over."""
-    paths = [p for p in directory.rglob("*.png") if p.parent == directory]
+    paths = [p for p in directory.iterdir() if p.suffix in (".png", ".svg")]
     paths = sorted(paths, key=lambda p: (_place(p.stem), p.stem))
     scale = PICTURES_BYTES / max(sum(p.stat().st_size for p in paths), 1)
     all_ = [Picture(p.name, _source(p, scale), CAPTIONS.get(_kind(p.stem), "")) for p in paths]
@@ -113,8 +113,8 @@ def _place(stem: str) -> int:
 
 def _source(path: Path, scale: float) -> str:
     """A picture as text: as it is, or, where all together are too large, packed tighter."""
-    content, kind = path.read_bytes(), "png"
-    if scale < 1:
+    content, kind = path.read_bytes(), {".png": "png", ".svg": "svg+xml"}[path.suffix]
+    if scale < 1 and kind == "png":
         content, kind = _packed(path, int(len(content) * scale)), "webp"
     return f"data:image/{kind};base64,{b64encode(content).decode()}"
 

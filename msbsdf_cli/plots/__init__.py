@@ -1,1 +1,4 @@
-"""Figures of reports, a file each."""
+"""A figure each."""
+
+FORMAT = "MSBSDF_PICTURES"
+"""Environment variable that says what pictures are written as: processes that draw inherit it."""

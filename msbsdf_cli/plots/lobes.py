@@ -13,6 +13,7 @@ from matplotlib.patches import Circle
 
 from msbsdf_cli.plots.style import in_degrees, method_look, order_colour, panels, save
 from msbsdf_cli.results.lobes import Lobes
+from msbsdf_cli.scene import from_normal
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, merge_bins, spread_bins
 from surfaces.facet import Array
 
@@ -244,7 +245,7 @@ def _mark(axis: Any, lobes: Lobes, row: int) -> None:
     for angle in (30, 60):
         ring = Circle((middle, middle), middle * angle / 90, fill=False, color="0.6", lw=0.4)
         axis.add_patch(ring)
-    radius, phi = lobes.theta[row] / (np.pi / 2), lobes.phi
+    radius, phi = from_normal(lobes.theta[row]) / (np.pi / 2), lobes.phi
     x, y = (middle * (1 + 0.95 * radius * part) for part in (math.cos(phi), math.sin(phi)))
     # A triangle that points from there to the pole.
     axis.plot(x, y, marker=(3, 0, math.degrees(phi) + 90), ms=5, color="#2a9d2a", ls="")

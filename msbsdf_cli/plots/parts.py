@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.plots.style import COLOURS, panels, save
+from msbsdf_cli.plots.style import COLOURS, in_degrees, panels, save
 
 NAMES = {
     "part_distribution": "slopes are not the fitted ones",
@@ -31,8 +31,8 @@ def draw_parts(rows: list[Any], path: Path) -> None:
         floor = "floor: noise alone" if k == 0 else None
         axis.hlines(noise, place - 0.13, place + 0.13, color="0.1", ls=":", label=floor)
     axis.axhline(0, color="0.4", lw=0.7)
-    axis.set_xticks(x, [f"{t:.3g}" for t in theta])
-    axis.set_xlabel("theta_i in radians")
+    axis.set_xticks(x, [*map(in_degrees, theta)])
+    axis.set_xlabel("light from")
     axis.set_ylabel("light that goes elsewhere, %\n(bars: 1 std. error)")
     axis.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
     save(figure, path)

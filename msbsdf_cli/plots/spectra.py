@@ -7,7 +7,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from msbsdf_cli.plots.style import COLOURS, save
+from msbsdf_cli.plots.style import COLOURS, in_degrees, save
 from msbsdf_cli.plots.surface import lit_view
 from surfaces.facet import Array
 from surfaces.surface import Surface
@@ -43,8 +43,8 @@ def draw_spectra(
         every.append(error[0])
     chart.axhline(0, color="0.3", lw=0.8)
     chart.set_xticks(sorted(set(np.concatenate(every).tolist())))
-    chart.xaxis.set_major_formatter(lambda x, _: f"{x:.3g}")
-    chart.set_xlabel("theta_i in radians")
+    chart.xaxis.set_major_formatter(lambda x, _: in_degrees(x))
+    chart.set_xlabel("light from")
     chart.set_ylabel("Smith's energy of multiple bounces\nis too high by, % (bars: 1 std. error)")
     chart.legend(ncols=number, loc="lower left", bbox_to_anchor=(0, 1), title=_title(alpha))
     save(figure, path)

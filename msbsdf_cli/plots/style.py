@@ -1,6 +1,6 @@
 """How pictures look: for print, and told apart without colour where it matters."""
 
-import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,10 @@ import matplotlib as mpl
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.collections import QuadMesh
+
+from msbsdf_cli.plots import FORMAT
+from msbsdf_cli.scene import in_degrees as in_degrees
 
 plt.rcParams.update(
     {
@@ -63,11 +67,6 @@ def panels(
     return figure, axes
 
 
-def in_degrees(angle: float) -> str:
-    """An angle in radians as a person reads it."""
-    return f"{math.degrees(angle):.4g}°"
-
-
 def order_colour(index: int) -> str:
     """Colour of the order in place `index`."""
     return COLOURS[index % len(COLOURS)]
@@ -79,6 +78,12 @@ def method_look(index: int) -> dict[str, Any]:
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write a PNG and free the figure."""
-    figure.savefig(path, dpi=DOTS_PER_INCH, facecolor="white")
+    """Write a PNG, or what is wanted instead, and free the figure; beside a PDF, which no page can
+    show, a PNG too. Dense maps are bitmaps in every format."""
+    wanted = os.environ.get(FORMAT, "png")
+    for mesh in figure.findobj(QuadMesh):
+        mesh.set_rasterized(wanted != "png")
+    for suffix in {"pdf": ("pdf", "png")}.get(wanted, (wanted,)):
+        place = path.with_suffix(f".{suffix}")
+        figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white")
     plt.close(figure)

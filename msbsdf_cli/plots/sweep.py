@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from msbsdf_cli.cli.terminal import measured
 from msbsdf_cli.plots.style import COLOURS, DASHES, order_colour, panels, save
 from surfaces.facet import Array
 
@@ -36,6 +37,12 @@ class Drawn:
     signed: bool = False
     largest: bool = False
     """Whether several values of a case stand for their largest."""
+    worst: str = "largest value"
+    """Of all cases: what a reader wants to know."""
+    lowest: bool = False
+    """Whether that is the lowest value, and not the one farthest from 0."""
+    beside: tuple[str, ...] = ()
+    """First words of series that it is not looked for in."""
 
 
 DRAWN = {
@@ -46,9 +53,16 @@ DRAWN = {
         ("quantity", "order", "side"),
         {"quantity": ("energy", "total_variation")},
         signed=True,
+        worst="largest difference or distance beyond noise",
     ),
     "albedo": Drawn(
-        "albedo", "stderr", "directional albedo", ("method", "channel"), {"order": ("all",)}
+        "albedo",
+        "stderr",
+        "directional albedo",
+        ("method", "channel"),
+        {"order": ("all",)},
+        worst="lowest albedo",
+        lowest=True,
     ),
     "value_per_sr": Drawn(
         "value_per_sr",
@@ -58,7 +72,15 @@ DRAWN = {
         {"order": ("all",)},
         largest=True,
     ),
-    "energy": Drawn("energy", "stderr", "energy", ("order", "side"), {}),
+    "energy": Drawn(
+        "energy",
+        "stderr",
+        "energy",
+        ("order", "side"),
+        {},
+        worst="largest energy after the first order",
+        beside=("1", "all"),
+    ),
 }
 """By a column that only that table has; the first of these that a table has."""
 
@@ -77,10 +99,25 @@ class Grid:
     value: Array
     stderr: Array
 
+    def extreme(self) -> str:
+        """Where the largest value of what matters is, in a sentence."""
+        sign, size = (-1, self.value) if self.drawn.lowest else (1, np.abs(self.value))
+        beside = [name.partition(" ")[0] in self.drawn.beside for name in self.series]
+        size = np.where(np.reshape(beside, (-1, *[1] * (size.ndim - 1))), np.nan, sign * size)
+        if not np.isfinite(size).any():
+            return ""
+        k, *place = at = np.unravel_index(np.nanargmax(size), size.shape)
+        where = [self.series[int(k)]] + [
+            _title(name, labels[int(i)])
+            for name, labels, i in zip(self.names, self.labels, place, strict=True)
+        ]
+        found = measured(float(self.value[at]), float(self.stderr[at]))
+        return f"The {self.drawn.worst} is {found} ({', '.join(filter(None, where))})."
 
-def draw_sweep(table: Path, path: Path) -> None:
+
+def draw_sweep(table: Path, path: Path) -> Grid:
     """Draw a table of a sweep: lines with bands over one option that is a number, maps over two;
-    everything else has panels of its own."""
+    everything else has panels of its own. What was drawn."""
     grid = read_grid(table)
     numeric = [i for i, labels in enumerate(grid.labels) if _numbers(grid.names[i], labels)]
     numeric.sort(key=lambda i: -len(grid.labels[i]))
@@ -88,6 +125,7 @@ def draw_sweep(table: Path, path: Path) -> None:
         _draw_maps(grid, numeric[0], numeric[1], path)
     else:
         _draw_lines(grid, numeric[0] if numeric else None, path)
+    return grid
 
 
 def read_grid(table: Path) -> Grid:

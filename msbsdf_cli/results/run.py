@@ -60,6 +60,31 @@ class Run:
         """`simulate`, `walk`, or `walk-memory` for walks that remember facets."""
         return f"{self.kind}-memory" if self.memory else self.kind
 
+    def bounces(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+        """Of each incident angle the share of light that leaves after one bounce, and after more,
+        each with its standard error.
+
+        Errors of several orders or sides add up as squares for walks, of which each leaves by one
+        of them, and by themselves for surfaces, where they may go together: at least the true one.
+        """
+        power = 2 if self.kind == "walk" else 1
+        found = []
+        for tally in self.tallies:
+            energy, unresolved = tally.estimate("energy"), tally.estimate("unresolved")
+            once, more = (
+                (
+                    float(energy.value[k].sum()),
+                    float((energy.stderr[k] ** power).sum()) ** (1 / power),
+                )
+                for k in (slice(1), slice(1, None))
+            )
+            if not self.scene.material.absorbs:
+                # What does not leave after one bounce leaves later, and is known as well.
+                error = min(once[1], more[1]) + float(unresolved.stderr)
+                once, more = ((share, min(own, error)) for share, own in (once, more))
+            found.append((once, more))
+        return found
+
     @property
     def same_scene(self) -> Scene:
         """What a run by another seed has in common with it: where slopes were counted on random

@@ -6,6 +6,7 @@ from typing import Any
 
 from msbsdf_cli.cli.terminal import measured
 from msbsdf_cli.results.files import Table, from_rows
+from msbsdf_cli.scene import in_degrees
 from msbsdf_cli.statistics.multiple_testing import (
     AGREEMENT,
     FAILS,
@@ -88,7 +89,7 @@ def summary(rows: list[Judged]) -> str:
     )
 
 
-HEADER = ("identity", "section", "rows", "largest |z|", "of tolerance", "detectable", "verdict")
+HEADER = ("identity", "verdict", "largest |z|", "of tolerance", "detectable", "rows", "section")
 
 
 def lines(rows: list[Judged]) -> list[tuple[str, ...]]:
@@ -97,7 +98,12 @@ def lines(rows: list[Judged]) -> list[tuple[str, ...]]:
     groups: dict[tuple[str, str], list[Judged]] = {}
     for row in rows:
         groups.setdefault((row.finding.identity, row.finding.section), []).append(row)
-    return [_line(name, section, group) for (name, section), group in groups.items()]
+    found = [_line(name, section, group) for (name, section), group in groups.items()]
+    return sorted(found, key=lambda line: WORST_FIRST.index(line[1]))
+
+
+WORST_FIRST = (FAILS, HOLDS_UNEXPECTEDLY, FAILS_AS_EXPECTED, AGREEMENT, HOLDS)
+"""So that one failure among many rows is not overlooked."""
 
 
 def _line(name: str, section: str, group: list[Judged]) -> tuple[str, ...]:
@@ -108,16 +114,14 @@ def _line(name: str, section: str, group: list[Judged]) -> tuple[str, ...]:
         if row.tolerance > 0
     ]
     verdicts = Counter(row.verdict for row in group)
-    # The worst first, so that one failure among many rows is not overlooked.
-    order = (FAILS, HOLDS_UNEXPECTEDLY, FAILS_AS_EXPECTED, AGREEMENT, HOLDS)
     return (
         name,
-        section,
-        str(len(group)),
+        next(verdict for verdict in WORST_FIRST if verdicts[verdict]),
         f"{max(scores):.1f}" if scores else "",
         f"{max(shares):.2g}" if shares else "",
         f"{median(row.detectable for row in group):.1g}",
-        next(verdict for verdict in order if verdicts[verdict]),
+        str(len(group)),
+        section,
     )
 
 
@@ -148,7 +152,7 @@ def failures(rows: list[Judged]) -> list[tuple[str, ...]]:
                 "" if c.material is None else c.material.name,
                 c.slopes.name,
                 ",".join(f"{a:.3g}" for a in c.slopes.alpha),
-                f"{c.wi[0]:.4g}",
+                in_degrees(c.wi[0]),
                 f"{evidence.expected:.6g}",
                 measured(evidence.measured, evidence.stderr),
                 f"{row.tolerance:.2g}",

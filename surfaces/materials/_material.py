@@ -92,6 +92,11 @@ class Material(ABC):
         return self
 
     @property
+    def turned_over(self) -> "Material":
+        """The facets as they are from inside."""
+        return self
+
+    @property
     def albedos(self) -> tuple[float, ...]:
         """Of facets that are not specular: the fraction of energy kept in each channel."""
         return (1.0,) * self.channels

@@ -1,6 +1,6 @@
 """Smooth interfaces between two transparent media."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,10 @@ class Dielectric(Material):
     def __post_init__(self) -> None:
         if not 0 < self.ior < np.inf:
             raise ValueError(f"ior is {self.ior}: an index ratio is a finite number above 0.")
+
+    @property
+    def turned_over(self) -> "Dielectric":
+        return replace(self, ior=1 / self.ior)
 
     def scatter(
         self, d: Array, m: Array, inside: Array | None, rng: np.random.Generator

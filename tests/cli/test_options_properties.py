@@ -16,9 +16,11 @@ typed = st.one_of(
     st.floats().map(lambda x: f"{x}deg"),
     st.integers().map(str),
 )
+INCIDENT = Angles(0, math.nextafter(math.pi, 4), "to pi", but=math.pi / 2)
 TYPES = [
     (Roughness(), lambda v: len(v) == 2 and all(0 < a < math.inf for a in v)),
     (Angles(0, math.pi / 2, "below"), lambda v: all(0 <= a < math.pi / 2 for a in v)),
+    (INCIDENT, lambda v: all(0 <= a <= math.pi and a != math.pi / 2 for a in v)),
     (Count(), lambda v: isinstance(v, int) and v >= 1),
     (Count(4, even=True), lambda v: v >= 4 and v % 2 == 0),
     (Real(lambda x: 0 <= x <= 1, "from 0 to 1"), lambda v: 0 <= v <= 1),
@@ -36,4 +38,4 @@ def test_a_value_in_range_or_a_sentence(kind, holds, text):
     except click.BadParameter as refusal:
         said = refusal.message
     assert len(said) < 200
-    assert not said or said.endswith(".")
+    assert not said or said.endswith((".", "deg?"))

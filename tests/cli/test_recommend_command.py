@@ -89,7 +89,8 @@ def test_a_scene_against_traced_surfaces(tmp_path):
 def test_what_is_no_scene_is_refused(tmp_path):
     (tmp_path / "empty.toml").write_text("")
     assert "no [[surface]]" in refused("recommend", tmp_path / "empty.toml")
-    assert "cannot be read" in refused("recommend", tmp_path / "none.toml")
+    said = refused("recommend", tmp_path / "none.toml")
+    assert "is no file, and none of the scenes bottle, furnace, plate, slab, sphere" in said
     (tmp_path / "kitchen.toml").write_text(SCENE)
     assert "tolerance" in refused("recommend", tmp_path / "kitchen.toml", "--tolerance", "0")
     words = "recommend", tmp_path / "kitchen.toml", "--colour-tolerance", "0"

@@ -94,6 +94,7 @@ def test_a_signal_that_comes_during_a_fork_is_heeded(name, tmp_path):
         process.kill()
     assert process.returncode == (1 if name == "SIGINT" else 128 + number)
     assert "Traceback" not in said
+    assert "no report is written" in said
     assert list(tmp_path.iterdir()) == []
 
 

@@ -16,7 +16,7 @@ from msbsdf_cli.experiments.render.scenes import stage
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.run.progress import Progress
-from msbsdf_cli.scene import direction
+from msbsdf_cli.scene import direction, in_degrees
 from msbsdf_cli.smith.slopes import Beckmann, Ggx, Slopes
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Diffuse, Material
@@ -165,7 +165,7 @@ def _double_scattering(workers: Workers) -> list[Claim]:
         for theta, side, share, error in found:
             name = f"{material.name}, {side}"
             if share > shares.get(name, (-1.0,))[0]:
-                shares[name] = share, error, f"alpha {alpha:g}, theta {theta:g}"
+                shares[name] = share, error, f"alpha {alpha:g}, theta {in_degrees(theta)}"
     return [
         Claim(
             f"double scattering, largest share of the total, {name}",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.experiments.tradeoff.rows import Row
+from msbsdf_cli.scene import in_degrees
 
 ERRORS = (0.1, 0.03, 0.01, 0.003, 0.001)
 """Relative errors asked for."""
@@ -110,7 +111,7 @@ def sentences(found: list[TimeToAccuracy]) -> list[str]:
         names = dict.fromkeys(r.method for r in winners)
         parts = []
         for name in names:
-            angles = [f"{r.theta_i_rad:.4g}" for r in winners if r.method == name]
+            angles = [in_degrees(r.theta_i_rad) for r in winners if r.method == name]
             gains = _range([r.gain for r in winners if r.method == name])
             parts.append(f"{name} at theta {', '.join(angles)} ({gains})")
         said.append(f"Fastest to {error:.1%}, and speed over walk: " + "; ".join(parts) + ".")
@@ -134,7 +135,7 @@ def _places(found: list[TimeToAccuracy]) -> str:
     parts = []
     for error in dict.fromkeys(r.relative_rmse for r in found):
         mine = [r for r in found if r.relative_rmse == error]
-        angles = ", ".join(f"{r.theta_i_rad:.4g}" for r in mine)
+        angles = ", ".join(in_degrees(r.theta_i_rad) for r in mine)
         parts.append(f"to {error:.1%} at theta {angles} ({_range([r.gain for r in mine])})")
     return "; ".join(parts) or "nowhere here"
 
