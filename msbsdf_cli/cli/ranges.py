@@ -123,5 +123,5 @@ def _label(value: Any, pairs: bool) -> float | str:
     if isinstance(value, tuple) and (len(value) == 1 or (pairs and len(set(value)) == 1)):
         value = value[0]
     if isinstance(value, tuple):
-        return ",".join(map(str, value))
+        return ",".join(f"{x:g}" if isinstance(x, float) else str(x) for x in value)
     return value if isinstance(value, int | float) else str(value)

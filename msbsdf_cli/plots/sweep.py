@@ -17,7 +17,7 @@ from surfaces.facet import Array
 ANGLES = "theta", "phi"
 """Options that are drawn in degrees."""
 
-MOST_PANELS = 24
+MOST_PANELS = 48
 """In one picture; the rest are in the table alone, and the title says how many."""
 
 Row = dict[str, str]
@@ -181,8 +181,10 @@ def _wanted(row: Row, drawn: Drawn) -> bool:
 
 
 def _series(row: Row, drawn: Drawn) -> str:
-    words = (row[name] for name in drawn.series)
-    return " ".join(word.replace("_", " ") for word in words if word)
+    words = [row[name] for name in drawn.series]
+    # Of energies and distances, the energies are many.
+    words = ["" if word == "energy" else word.replace("_", " ") for word in words]
+    return " ".join(word for word in words if word)
 
 
 def _numbers(name: str, labels: list[str]) -> list[float]:
@@ -213,7 +215,9 @@ def _rest(grid: Grid, across: list[int]) -> tuple[list[tuple[int, ...]], list[st
 
 def _title(name: str, label: str) -> str:
     found = _numbers(name, [label])
-    return f"{name} {found[0]:.4g}{'°' * (name in ANGLES)}" if found else label
+    if found:
+        return f"{name} {found[0]:.4g}{'°' * (name in ANGLES)}"
+    return f"{name} {label}" if "," in label else label
 
 
 def _at(array: Array, across: list[int], place: tuple[int, ...]) -> Array:
@@ -253,7 +257,8 @@ def _draw_lines(grid: Grid, across: int | None, path: Path) -> None:
             pane.set_xlabel(_axis_words(grid.names[across]))
     figure.supylabel(grid.drawn.words, x=0.01, fontsize=8)
     handles, names = panes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="upper center", ncols=min(len(names), 2 + 2 * columns))
+    room = int(figure.get_figwidth() / 1.5)
+    figure.legend(handles, names, loc="upper left", ncols=min(len(names), room))
     figure.text(0.01, 0.01, f"bars: two standard errors{more}", fontsize=6, color="0.35")
     save(figure, path)
 

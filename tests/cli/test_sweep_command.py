@@ -86,7 +86,7 @@ def test_a_file_says_the_same_as_the_command_line(tmp_path):
     pair = study.read_text().replace('"0.3:0.9:3"', "[1, 0.1], 0.5")
     study.write_text(pair)
     assert msbsdf("sweep", study, "--out", tmp_path / "c").returncode == 0
-    assert {r["alpha"] for r in table(tmp_path / "c" / "sweep.csv")} == {"1.0,0.1", "0.5"}
+    assert {r["alpha"] for r in table(tmp_path / "c" / "sweep.csv")} == {"1,0.1", "0.5"}
 
 
 @pytest.mark.parametrize(
