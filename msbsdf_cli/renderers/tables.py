@@ -59,7 +59,7 @@ class BsdfTable:
         lit, seen = np.where(outwards, wo, wi), np.where(outwards, wi, wo)
         upright = [[1], [1], [-1]]
         lit, seen = (np.where(w[2] < 0, w * upright, w) for w in (lit, seen))
-        places = self.nodes.places(lit, seen)
+        places = self.nodes.places(lit, seen, crosses)
         found = np.array([self._spline(c, block, places) for c in range(len(self.values))])
         dark = (wi[2] * wo[2] == 0) | ((inside | (wo[2] < 0)) & (not self.material.transmits))
         return np.where(dark, 0, np.maximum(found, 0) / np.where(outwards, self.material.ior**2, 1))
