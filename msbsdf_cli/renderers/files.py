@@ -19,8 +19,8 @@ AXES = (
     "at the polar angles `theta` of either direction, the azimuths `phi_i` of incidence and `phi` "
     "from there to the outgoing direction; of specular facets without the first order. Cubic "
     "splines interpolate, as msbsdf_cli.renderers.nodes has it: of glass one on either side of the "
-    "polar angle `split`, and of light that is transmitted to or from beyond it, one on either side "
-    "of where cosines in the two media are as the indices the other way round."
+    "polar angle `split`; of light transmitted to or from beyond it in the medium of higher index, "
+    "one on either side of where cosines in the two media are as their indices in reverse."
 )
 
 MEASURE = (

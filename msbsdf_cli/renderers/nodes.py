@@ -114,7 +114,7 @@ class Nodes:
             place = self.between(np.abs(phi)) * (self.azimuths - 1)
             if not self.before:
                 return 0 * phi, self._elevation(wi), self._elevation(wo), place
-            low = np.pi / 2 - self.split
+            low = np.asarray(np.pi / 2 - self.split)
             dense = wo if self.dense_inside else wi
             beyond = np.arctan2(dense[2], np.hypot(dense[0], dense[1])) < low
             thin_low = np.where(crosses, self._thin_low(dense[2], beyond), low)
@@ -130,7 +130,7 @@ class Nodes:
         x = 1 - np.sqrt(psi / (np.pi / 2))
         return np.asarray(np.minimum(x, self.steepest) * (self.elevations - 0.5))
 
-    def _parted(self, w: Array, low: Array | float) -> Array:
+    def _parted(self, w: Array, low: Array) -> Array:
         """Of elevations in two parts that meet at `low`."""
         psi = np.arctan2(w[2], np.hypot(w[0], w[1]))
         after = self.elevations - self.before

@@ -31,8 +31,8 @@ are further off than it is. Rough glass needs more nodes for the same."""
 
 PAIR_OF_DIFFUSE_S, PAIR_OF_GLASS_S, ROW_S = 2e-4, 1.2e-2, 2.5e-8
 """Seconds for a pair of directions: the first order of diffuse facets is an integral over the
-facets, and the second of glass another, here at resolution 1. For a direction among kernels of two roughnesses, for each
-product of two of their directions."""
+facets, and the second of glass another, here at resolution 1. For a direction among kernels of two
+roughnesses, for each product of two of their directions."""
 
 PAIR_POWER = 2.7
 """Power of the resolution that the time for a pair of glass goes by, as measured."""
