@@ -131,7 +131,7 @@ def check(slopes: Slopes, material: Material) -> None:
         raise UnsupportedError(f"renderers have 1 channel or 3, not {material.channels}")
     if material.transmits and slopes.alpha_x != slopes.alpha_y:
         raise UnsupportedError(
-            "tables of facets that transmit have one roughness, and there are two: their values "
-            "would take hours"
+            "tables of facets that transmit have one roughness, and there are two: a core would "
+            "take half an hour or more for all pairs of directions"
         )
     Solve.check_supported(slopes, material)
