@@ -29,9 +29,10 @@ def command(**options: Any) -> None:
     it conserves energy.
     """
     from msbsdf_cli.cli import common
+    from msbsdf_cli.cli.render import effort
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.furnace import furnace, furnace_table
-    from msbsdf_cli.experiments.white_sphere import white_spheres
+    from msbsdf_cli.experiments.white_sphere import PIXELS, SAMPLES, white_spheres
     from msbsdf_cli.methods.solve import Solve
     from msbsdf_cli.plots.furnace import draw_furnace
     from msbsdf_cli.plots.white_sphere import draw_spheres
@@ -44,7 +45,11 @@ def command(**options: Any) -> None:
     report.warn(common.method_warnings([scene.of_roughness(alpha) for alpha in alphas], methods))
     points = len(alphas) * len(scene.theta) * len(methods)
     work_s = points * options["samples"] / WALKS_PER_S
+    paths = len(methods) * PIXELS**2 * SAMPLES
+    of_spheres = options | {"texture": "none"}
+    work_s += sum(effort(scene.of_roughness(a), of_spheres, paths)[0] for a in alphas)
     work = f"{len(methods)} methods at {len(alphas)} roughnesses and {len(scene.theta)} angles"
+    work += ", and a sphere of each"
     report.warn(common.long_warnings(options, work_s, work))
     if accuracy is not None and Solve.name not in methods:
         report.warn(["--accuracy has no effect: it is for --method solve."])

@@ -227,13 +227,26 @@ def check_methods(surface: Any, methods: tuple[str, ...], texture: str) -> None:
 
 
 def what_happened(pictures: list[Any]) -> list[str]:
-    """Sentences on paths that were lost."""
-    return [
+    """Sentences on paths that were lost, and on what methods cannot do."""
+    lost = [
         f"{p.lost} of {p.mean[0].size * p.samples} paths by {p.method} were lost to rounding at "
         "edges, and count as dark."
         for p in pictures
         if p.lost
     ]
+    nonfinite = [
+        f"{p.nonfinite} values by {p.method} were not finite: that method replaces them or leaves "
+        "them out, and the picture is off by what they stood for."
+        for p in pictures
+        if p.nonfinite
+    ]
+    cut = [
+        f"{p.cut} walks by {p.method} were cut off after as many facets as it follows, and count "
+        "as dark from there on."
+        for p in pictures
+        if p.cut
+    ]
+    return lost + nonfinite + cut
 
 
 def save_arrays(pictures: list[Any], draft: Path, exr: bool) -> None:

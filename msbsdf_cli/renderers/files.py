@@ -12,14 +12,15 @@ from msbsdf_cli.renderers.tables import BLOCKS, BsdfTable
 from msbsdf_cli.results import npz
 from surfaces.facet import Array
 
-FORMAT = "table of msbsdf 3"
+FORMAT = "table of msbsdf 4"
 
 AXES = (
     "values[channel, block, phi_i, theta_i, theta_o, phi]: BSDF per steradian, without the cosine, "
     "at the polar angles `theta` of either direction, the azimuths `phi_i` of incidence and `phi` "
     "from there to the outgoing direction; of specular facets without the first order. Cubic "
     "splines interpolate, as msbsdf_cli.renderers.nodes has it: of glass one on either side of the "
-    "polar angle `split`."
+    "polar angle `split`; of light transmitted to or from beyond it in the medium of higher index, "
+    "one on either side of where cosines in the two media are as their indices in reverse."
 )
 
 MEASURE = (

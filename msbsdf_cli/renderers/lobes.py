@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from msbsdf_cli.renderers.files import read_table
+from msbsdf_cli.renderers.nodes import TINY
 from msbsdf_cli.renderers.splines import MARGIN
 from msbsdf_cli.renderers.tables import table_coefficients
 
@@ -85,7 +86,7 @@ class Lobes:
         lit, seen = self.upright(wi), self.upright(wo)
         lit, seen = dr.select(outwards, seen, lit), dr.select(outwards, lit, seen)
         block = dr.select(crosses, 1.0, dr.select(inside, 2.0, 0.0)) if self.ior else 0.0
-        values = self._spline(block, lit, seen)
+        values = self._spline(block, lit, seen, crosses)
         scale = dr.select(outwards, 1 / self.ior**2, 1.0) if self.ior else 1.0
         return self.spectrum([self.at_least(v, 0) * scale for v in values])
 
@@ -93,7 +94,7 @@ class Lobes:
         """Mitsuba's colour of one channel or three."""
         return self.mi.Spectrum(*channels)
 
-    def _spline(self, block: Any, wi: Any, wo: Any) -> list[Any]:
+    def _spline(self, block: Any, wi: Any, wo: Any, crosses: Any) -> list[Any]:
         """The table's channels."""
         dr, nodes = self.dr, self.nodes
         if nodes.incident > 1:
@@ -107,7 +108,8 @@ class Lobes:
             place = crowded / dr.pi * (nodes.azimuths - 1)
         else:
             place = dr.select(phi < 0, phi + 2 * dr.pi, phi) / (2 * dr.pi) * nodes.azimuths
-        rest = (place, self._elevation(wo), self._elevation(wi))
+        into, out = self._elevations(wi, wo, crosses)
+        rest = place, out, into
         if nodes.incident == 1:
             return self._look_up(block, *rest)
         turned = dr.atan2(wi.y, wi.x) / (dr.pi / 2) * (nodes.incident - 1)
@@ -129,18 +131,34 @@ class Lobes:
         found: list[Any] = self.texture.eval_cubic(self.mi.Point3f(*uvw))
         return found
 
-    def _elevation(self, w: Any) -> Any:
-        """Place between the nodes of an upward direction, as `Nodes` has it."""
+    def _elevations(self, wi: Any, wo: Any, crosses: Any) -> list[Any]:
+        """Places between the nodes of upward directions, as `Nodes` has it."""
         dr, nodes = self.dr, self.nodes
-        after = nodes.elevations - nodes.before
-        psi = dr.atan2(w.z, dr.sqrt(w.x * w.x + w.y * w.y))
         if not nodes.before:
-            x = 1 - dr.sqrt(self.at_least(psi / (dr.pi / 2), 0))
-            return -self.at_least(-x * (after - 0.5), 1 - after)
+            places = (1 - dr.sqrt(self.at_least(self._psi(w) / (dr.pi / 2), 0)) for w in (wi, wo))
+            least = 1 - nodes.elevations
+            return [-self.at_least(-x * (nodes.elevations - 0.5), least) for x in places]
         low = dr.pi / 2 - nodes.split
-        x = dr.sqrt(self.at_least(1 - dr.sqrt(self.at_least(psi / low, 0)), 0))
+        dense = wo if nodes.dense_inside else wi
+        # The arc sine of 1 or less.
+        sine = -self.at_least(-self.at_least(dense.z, 0) / float(np.cos(nodes.split)), -1)
+        corner = dr.select(crosses & (self._psi(dense) < low), dr.asin(sine), low)
+        lows = (corner, low) if nodes.dense_inside else (low, corner)
+        return [self._parted(w, of) for w, of in zip((wi, wo), lows, strict=True)]
+
+    def _psi(self, w: Any) -> Any:
+        """Elevation over the mean plane."""
+        return self.dr.atan2(w.z, self.dr.sqrt(w.x * w.x + w.y * w.y))
+
+    def _parted(self, w: Any, low: Any) -> Any:
+        """Of elevations in two parts that meet at `low`."""
+        dr, nodes = self.dr, self.nodes
+        after, psi = nodes.elevations - nodes.before, self._psi(w)
+        ratio = self.at_least(psi / self.at_least(low, TINY), 0)
+        x = dr.sqrt(self.at_least(1 - dr.sqrt(ratio), 0))
         beyond = -self.at_least(-x * (after - 0.5), 1 - after) + nodes.before + 2 * MARGIN
-        return dr.select(psi < low, beyond, (1 - (psi - low) / nodes.split) * (nodes.before - 1))
+        part = (psi - low) / self.at_least(dr.pi / 2 - low, TINY)
+        return dr.select(psi < low, beyond, (1 - part) * (nodes.before - 1))
 
     def first(self, wi: Any, wo: Any) -> Any:
         """BSDF x cosine of the first order."""

@@ -59,7 +59,7 @@ class BsdfTable:
         lit, seen = np.where(outwards, wo, wi), np.where(outwards, wi, wo)
         upright = [[1], [1], [-1]]
         lit, seen = (np.where(w[2] < 0, w * upright, w) for w in (lit, seen))
-        places = self.nodes.places(lit, seen)
+        places = self.nodes.places(lit, seen, crosses)
         found = np.array([self._spline(c, block, places) for c in range(len(self.values))])
         dark = (wi[2] * wo[2] == 0) | ((inside | (wo[2] < 0)) & (not self.material.transmits))
         return np.where(dark, 0, np.maximum(found, 0) / np.where(outwards, self.material.ior**2, 1))
@@ -131,7 +131,7 @@ def check(slopes: Slopes, material: Material) -> None:
         raise UnsupportedError(f"renderers have 1 channel or 3, not {material.channels}")
     if material.transmits and slopes.alpha_x != slopes.alpha_y:
         raise UnsupportedError(
-            "tables of facets that transmit have one roughness, and there are two: their values "
-            "would take hours"
+            "tables of facets that transmit have one roughness, and there are two: a core would "
+            "take half an hour or more for all pairs of directions"
         )
     Solve.check_supported(slopes, material)

@@ -1,10 +1,14 @@
 """`msbsdf render` as a user meets it."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from command_line import msbsdf, refused, table
+
+from msbsdf_cli.cli.render import what_happened
+from msbsdf_cli.experiments.render.picture import Picture
 
 TINY = ["--width", "12", "--samples", "2", "--threads", "1"]
 
@@ -80,6 +84,16 @@ def test_what_cannot_be_rendered_is_refused(words, said):
 )
 def test_what_would_come_to_nothing_is_refused_at_once(words, said):
     assert said in refused("render", *words)
+
+
+def test_what_paths_did_not_carry_is_said():
+    nothing = np.ones((3, 2, 2))
+    picture = Picture("published", nothing, nothing, 10, 1.0, 40, 0)
+    assert what_happened([picture]) == []
+    lost, nonfinite, cut = what_happened([replace(picture, lost=1, nonfinite=2, cut=3)])
+    assert lost.startswith("1 of 40 paths by published were lost")
+    assert nonfinite.startswith("2 values by published were not finite")
+    assert cut.startswith("3 walks by published were cut off")
 
 
 def test_what_has_no_effect_is_said_and_a_metal_is_a_conductor(tmp_path):

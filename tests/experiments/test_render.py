@@ -12,8 +12,10 @@ from msbsdf_cli.experiments.render.body import Body, local, world
 from msbsdf_cli.experiments.render.camera import Camera
 from msbsdf_cli.experiments.render.claims import _verdict
 from msbsdf_cli.experiments.render.lights import Lamp, Lights
+from msbsdf_cli.experiments.render.paths import Integrator, Shader
 from msbsdf_cli.experiments.render.picture import Settings, luminance, render, table_of
 from msbsdf_cli.experiments.render.scenes import NAMES, defaults, stage
+from msbsdf_cli.methods.published import method as published
 from msbsdf_cli.methods.registry import METHODS, holds
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.plots.render import displayed
@@ -141,6 +143,25 @@ def test_glass_disappears_as_a_closed_body():
     assert p.lost == 0
     # More surfaces than paths: light is thrown to and fro inside.
     assert p.surfaces > p.samples * p.mean[0].size
+
+
+def test_what_a_method_cannot_do_is_counted(monkeypatch):
+    """Walks cut off at their second facet leave the sphere as dark as single scattering does, and
+    are as many as the light that is missing."""
+    slopes, of = Beckmann(1.0, 1.0), stage("furnace")
+    method = published.Published(slopes, Conductor(), 1, most_facets=1)
+    integrator = Integrator(of, Shader(slopes, method), "bsdf")
+    x, y = np.random.default_rng(0).random((2, 4000))
+    o = np.tile(np.array(of.camera.eye)[:, None], x.size)
+    found = integrator.radiance(o, of.camera.rays(x, y), np.random.default_rng(1))
+    assert integrator.counts.cut > 100
+    # Paths that go on carry all of their light or none, on a body whose surfaces see no other.
+    assert integrator.counts.cut == np.count_nonzero(found[0] == 0)
+    assert integrator.counts.nonfinite == 0
+    search = published.visible_normals
+    monkeypatch.setattr(published, "visible_normals", lambda *a: (search(*a)[0], 3))
+    integrator.radiance(o, of.camera.rays(x, y), np.random.default_rng(1))
+    assert integrator.counts.nonfinite == method.hidden > 0
 
 
 def test_a_sphere_of_two_roughnesses_is_lit_from_all_azimuths():

@@ -50,7 +50,7 @@ def test_splines_are_those_of_the_textbook():
 
 def test_a_table_is_within_a_thousandth_of_the_model(table):
     errors, known = table_error(table, 2)
-    assert errors.shape == known.shape == (8 * 8 * 8,)
+    assert errors.shape == known.shape == (2 * 8 * 8 * 8,)
     assert errors.max() < 1e-3
     assert known.max() < 1e-3
 
@@ -117,15 +117,43 @@ def test_two_roughnesses_are_smooth_across_their_planes_of_symmetry(two):
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_glass_has_the_values_of_solve_on_either_side(glass, side):
-    """At nodes: the table is made at half the resolution, right to .006; reciprocity gives one of
-    the four blocks."""
+    """At nodes, which of transmitted light are others outside: two resolutions differ by .006;
+    reciprocity gives one of the four blocks."""
     solve = Solve(glass.slopes, Dielectric(1.5 if side == 1 else 1 / 1.5), 1, 0.75)
-    for i, o, p in ((1, 3, 2), (4, 1, 5)):
-        wi, wo = of_nodes(glass.nodes, i, o, p)
-        wo = np.concatenate([wo, wo * [[1], [1], [-1]]], axis=1)
-        expected = solve.evaluate(wi, wo).value.sum(axis=1)
-        mine = glass.evaluate(wi * [1, 1, side], wo * [[1], [1], [side]])
-        np.testing.assert_allclose(mine, expected, rtol=0.01, atol=1e-5)
+    nodes, down = glass.nodes, np.array([[1], [1], [-1]])
+    for i, o, p in ((1, 3, 2), (4, 1, 5), (2, 6, 3), (7, 6, 1)):
+        outside, inside = nodes.thin_theta(o)[i], nodes.theta[o]
+        into, out = (outside, inside) if side == 1 else (inside, outside)
+        through = ms.direction(into), ms.direction(out, nodes.phi[p])[:, None] * down
+        for wi, wo in (of_nodes(nodes, i, o, p), through):
+            expected = solve.evaluate(wi, wo).value.sum(axis=1)
+            mine = glass.evaluate(wi * down[:, 0] if side == -1 else wi, wo * [[1], [1], [side]])
+            np.testing.assert_allclose(mine, expected, rtol=0.01, atol=1e-5)
+
+
+@pytest.mark.parametrize("ior", [1.5, 1 / 1.5])
+def test_transmission_has_a_corner_where_only_upright_facets_connect(ior):
+    """A function with a corner there is found on either side, from either medium, whichever of the
+    two has the higher index."""
+    nodes = Nodes.of_glass(ior, 8, 10, 8)
+
+    def corner(outside, inside):
+        over = np.cos(outside) - ior * np.cos(inside)
+        return 1 + np.cos(outside) * np.cos(inside) + np.abs(over)
+
+    n = nodes.elevations
+    theta, values = np.tile(nodes.theta, (n, 1)), np.ones((1, 3, 1, n, n, 8))
+    thin = np.array([nodes.thin_theta(k) for k in range(n)])
+    outside, inside = (thin.T, theta) if ior > 1 else (theta.T, thin)
+    values[0, 1, 0] = corner(outside, inside)[..., None]
+    table = BsdfTable(ms.Ggx(1, 1), Dielectric(ior), nodes, values)
+    theta = np.linspace(0.01, 1.5, 150)
+    wo = np.stack([np.sin(theta), 0 * theta, -np.cos(theta)])
+    for into in (0.3, 0.75, 1.0, 1.3):
+        inwards, out = table.later(ms.direction(into), wo)[0], -ms.direction(into)
+        np.testing.assert_allclose(inwards, corner(into, theta), rtol=5e-3)
+        outwards = table.later(out, -wo)[0] * ior**2
+        np.testing.assert_allclose(outwards, corner(theta, into), rtol=5e-3)
 
 
 def test_elevations_split_at_the_angle_where_total_reflection_ends():

@@ -68,6 +68,10 @@ class Counts:
     lost: int = 0
     """Paths that rounding let through where there is no way: out of a closed body, or into an
     opaque one."""
+    nonfinite: int = 0
+    """Values that were not finite, which a method replaced or left out."""
+    cut: int = 0
+    """Walks that a method cut off at its largest number of facets."""
 
 
 @dataclass
@@ -150,13 +154,26 @@ class Integrator:
             lanes = np.flatnonzero(within == side)
             if lanes.size:
                 some = paths.each(lambda a, lanes=lanes: a.take(lanes, axis=-1))  # type: ignore[misc]
-                after.append(
-                    self._shade(some, frames[:, :, lanes], point[:, lanes], side, found, rng)
-                )
+                at = frames[:, :, lanes], point[:, lanes]
+                method = self._method(side, at[1])
+                before = _troubles(method)
+                after.append(self._shade(method, some, *at, side, found, rng))
+                nonfinite, cut = _troubles(method) - before
+                self.counts.nonfinite += int(nonfinite)
+                self.counts.cut += int(cut)
         return _joined(after, paths)
+
+    def _method(self, within: bool, point: Array) -> Shades:
+        """That of a side, for the texture at some points."""
+        method = self.shader.inside if within else self.shader.outside
+        assert method is not None
+        if self.stage.texture is not None:
+            method = method.of_lanes(*self.stage.lanes(self.shader.slopes, method.material, point))
+        return method
 
     def _shade(
         self,
+        method: Shades,
         paths: CameraPaths,
         frames: Array,
         point: Array,
@@ -165,10 +182,6 @@ class Integrator:
         rng: np.random.Generator,
     ) -> CameraPaths:
         """Surfaces that are all met from one side."""
-        method = self.shader.inside if within else self.shader.outside
-        assert method is not None
-        if self.stage.texture is not None:
-            method = method.of_lanes(*self.stage.lanes(self.shader.slopes, method.material, point))
         wi = local(frames, -paths.d)
         # A triangle met edge on is met at the last float above its horizon.
         wi[2] = np.maximum(wi[2], np.finfo(float).eps)
@@ -218,6 +231,12 @@ class Integrator:
     def _start(self, frames: Array, point: Array, w: Array) -> Array:
         """Where rays along `w`, in the frames, start again: lifted off their triangles."""
         return point + frames[2] * np.where(w[2] < 0, -1, 1) * self.stage.body.lift
+
+
+def _troubles(method: Shades) -> Array:
+    """What a method counts so far of what its algorithm cannot do: values that were not finite, and
+    walks that were cut off."""
+    return np.array([getattr(method, name, 0) for name in ("hidden", "cut")])
 
 
 def _joined(parts: list[CameraPaths], none: CameraPaths) -> CameraPaths:

@@ -58,6 +58,10 @@ class Picture:
     """Of a method that shades by a table: what that is off by, relative to its mean."""
     setup_seconds: float = 0.0
     """Of processor time, for tables that are made before the first path."""
+    nonfinite: int = 0
+    """Values that were not finite, which the method replaced or left out."""
+    cut: int = 0
+    """Walks that the method cut off at its largest number of facets."""
 
     @property
     def noise(self) -> float:
@@ -154,7 +158,7 @@ def table_of(pictures: list[Picture]) -> Table:
     names = (
         *("method", "samples", "seconds", "surfaces_per_path", "lost", "luminance"),
         *("luminance_stderr", "noise", "variance", "difference", "difference_stderr"),
-        *("table_error", "setup_seconds"),
+        *("table_error", "setup_seconds", "nonfinite", "cut"),
     )
     table: dict[str, list[float | str]] = {name: [] for name in names}
     first = pictures[0]
@@ -168,6 +172,7 @@ def table_of(pictures: list[Picture]) -> Table:
             *(p.method, p.samples, p.seconds, p.surfaces / (pixels * p.samples), p.lost),
             *(mean.mean(), of_all, p.noise, p.samples * (stderr**2).mean()),
             *(apart, both if p is not first else 0.0, p.table_error, p.setup_seconds),
+            *(p.nonfinite, p.cut),
         )
         for column, cell in zip(table.values(), cells, strict=True):
             column.append(cell if isinstance(cell, str) else float(cell))
@@ -238,4 +243,6 @@ def _picture(
         sum(part.counts.lost for part in parts),
         error,
         setup,
+        sum(part.counts.nonfinite for part in parts),
+        sum(part.counts.cut for part in parts),
     )

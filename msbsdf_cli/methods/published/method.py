@@ -73,6 +73,8 @@ class Published(FollowsPaths):
         self.heights, self.polynomial, self.most_facets = HEIGHTS[heights], polynomial, most_facets
         self.hidden = 0
         """Values so far that were not finite and that the algorithm replaces or leaves out."""
+        self.cut = 0
+        """Walks so far that `most_facets` cut off."""
 
     @classmethod
     def check_supported(cls, slopes: Slopes, material: Material) -> None:
@@ -109,7 +111,9 @@ class Published(FollowsPaths):
             order += 1
         estimate.close_batch()
         # Of those at their last facet some would have left.
-        return self._next_heights(walks, rng)[0].size if walks.size else 0
+        cut = self._next_heights(walks, rng)[0].size if walks.size else 0
+        self.cut += cut
+        return cut
 
     def sample(self, wi: Array, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
         """Where walks leave, (3, n), and their weights; a walk that is not finite ends at the
@@ -149,6 +153,7 @@ class Published(FollowsPaths):
                 zenith[2] = 1
                 yield self._lights(lost, order + 1, zenith)
                 walks = walks.compress(~bad)
+        self.cut += walks.size
         cut = self._lights(walks, self.most_facets, walks.d)
         yield replace(cut, weight=0 * cut.weight)
 
