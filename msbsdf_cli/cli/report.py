@@ -83,8 +83,7 @@ class Report(Part):
         from msbsdf_cli.pages.page import write_page
 
         wanted = self.place.out
-        os.environ[FORMAT] = self.options["format"]
-        with self.place.draft() as draft:
+        with _format(self.options["format"]), self.place.draft() as draft:
             yield draft
             write_page(draft)
         if self.place.out != wanted:
@@ -105,3 +104,17 @@ class Report(Part):
             say(summary if isinstance(summary, str) else "\n".join(summary))
             show()
             click.echo(f"Report: {self.place.out}")
+
+
+@contextmanager
+def _format(name: str) -> Iterator[None]:
+    """Pictures are of this format, in processes that are started too."""
+    before = os.environ.get(FORMAT)
+    os.environ[FORMAT] = name
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[FORMAT]
+        else:
+            os.environ[FORMAT] = before

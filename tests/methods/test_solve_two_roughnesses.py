@@ -94,7 +94,7 @@ def test_large_stated_errors_are_warned_of():
     albedos = SimpleNamespace(method="solve", alpha=(0.1, 1.0), stderr=stderr[None])
     found = furnace.hardly_known(SimpleNamespace(theta=(1.5, 0.5)), [albedos])
     assert found == [
-        "method solve knows the energies of alpha 0.1,1 at theta 1.5 to 0.003 only; "
+        "method solve knows the energies of alpha 0.1,1 at theta 85.94° to 0.003 only; "
         "--accuracy asks for more nodes."
     ]
     values = [
@@ -102,5 +102,5 @@ def test_large_stated_errors_are_warned_of():
         for m, e in (("solve", 1), ("solve", 0.1), ("walk", 1))
     ]
     assert evaluate.hardly_known(values) == [
-        "method solve knows values at theta 1.5 to 0.03 of the largest only."
+        "method solve knows values at theta 85.94° to 0.03 of the largest only."
     ]
