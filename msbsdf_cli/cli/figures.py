@@ -121,22 +121,23 @@ WORDS = {
 
 def show(figures: list[Figure], claims: Any) -> None:
     """Print what was made, and every claim."""
-    from msbsdf_cli.cli.terminal import measured, show_table
+    from msbsdf_cli.cli.terminal import measured, say, show_table
 
+    if claims is not None:
+        say(summary(claims))
     for figure in figures:
-        click.echo(f"{figure.name}: {figure.source}, {figure.shows}")
+        say(f"{figure.name}: {figure.source}, {figure.shows}")
     if claims is not None:
         columns = ("claim", "published", "measured", "stderr", "verdict")
         rows = [
-            (claim, f"{published:g}", measured(value, error), verdict)
+            (verdict, claim, f"{published:g}", measured(value, error))
             for claim, published, value, error, verdict in zip(
                 *(claims[name] for name in columns), strict=True
             )
         ]
-        show_table(("claim", "published", "measured", "verdict"), rows)
-        click.echo(summary(claims))
+        show_table(("verdict", "claim", "published", "measured"), rows, "claims.csv")
     if figures and all(figure.cheap for figure in figures):
-        click.echo(f"{len(FIGURES) - len(CHEAP)} more take longer: --list, --quick, --all.")
+        say(f"{len(FIGURES) - len(CHEAP)} more take longer: --list, --quick, --all.")
 
 
 def make_gallery(options: dict[str, Any]) -> None:
