@@ -71,6 +71,8 @@ class Noise:
     stderr: float
     seconds: float
     """Of one walk to one pixel, where there are many."""
+    seconds_stderr: float
+    """From the scatter of the times whose median it is."""
     image: Array
     """Sum of all orders, mean of all walks, (channels, pixels)."""
 
@@ -98,6 +100,8 @@ def noise(method: Method, lobe: Lobe, seed: int, replicates: int, *place: str) -
         float(each.mean()),
         float(each.std(ddof=1) / np.sqrt(replicates)),
         float(np.median(seconds)) / TIMED_WALKS,
+        # A median of normal noise scatters by sqrt(pi / 2) of what a mean does.
+        float(np.std(seconds, ddof=1) * np.sqrt(np.pi / 2 / len(seconds))) / TIMED_WALKS,
         image,
     )
 
@@ -140,6 +144,8 @@ def error_over_time(scene: Scene, seed: int, replicates: int = REPLICATES) -> Ta
         for name, one in found.items():
             gain = walk.variance * walk.seconds / (one.variance * one.seconds)
             spread = np.hypot(walk.stderr / walk.variance, one.stderr / one.variance)
+            spread = np.hypot(spread, walk.seconds_stderr / walk.seconds)
+            spread = np.hypot(spread, one.seconds_stderr / one.seconds)
             # A walk that never met a second facet has only rounding for an error.
             known = min(walk.variance, one.variance) > np.finfo(float).eps
             for n in SAMPLES:
