@@ -41,6 +41,7 @@ STREAMS = {
     "without noise": "handed to methods that draw nothing",
     "render": "paths from the camera: method, strategy, some of the pixels, picture",
     "slab": "walks to a slab's image: method, roughness, repetition",
+    "swapped ends": "values of a picture from either end: method, end, batch",
 }
 """Name of every stream, and what it serves; the numbers of its place are named after the colon."""
 

@@ -26,6 +26,7 @@ COMMANDS = {
     "sweep": "Any of the measuring commands for many scenes, on all cores or a cluster.",
     "merge": "Put together the reports of other seeds, shares and machines.",
     "tradeoff": "Error against time for every method, on one chart.",
+    "figures": "The papers' figures remade, and what they claim.",
 }
 
 

@@ -50,14 +50,18 @@ OF_METHOD = {
     "turquin": "Tur19",
 }
 
-OF_COMMAND = {"simulate": "Heitz15", "compare": "Heitz15"}
+OF_COMMAND = {
+    "simulate": ("Heitz15",),
+    "compare": ("Heitz15",),
+    "figures": ("WJFYHY22", "Heitz15"),
+}
 
 
 def papers(command: str, options: dict[str, Any]) -> list[str]:
     """BibTeX entries of the papers behind a run: the model, what made its surfaces, its slopes and
     its methods."""
     methods = options.get("method") or ()
-    keys = ["HHdD16", OF_COMMAND.get(command, "")]
+    keys = ["HHdD16", *OF_COMMAND.get(command, ())]
     keys += ["RBSM17"] if options.get("slopes") == "student-t" else []
     keys += [OF_METHOD.get(name, "") for name in methods if isinstance(name, str)]
     return [PAPERS[key] for key in dict.fromkeys(keys) if key]

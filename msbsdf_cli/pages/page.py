@@ -21,11 +21,13 @@ from msbsdf_cli.results.seal import RUN
 
 PAGE = "index.html"
 
-PICTURES_BYTES = 1_350_000
+PICTURES_BYTES = 1_200_000
 """Of all pictures together: written as text they are a third more, and a page is below 2 MB."""
 
 ROWS = 40
 """Of a table; the rest is in its file."""
+ALL_ROWS = 600
+"""Of all tables, where there are many."""
 
 OWN = "files", "digest", "summary", "warnings", "options", "versions"
 """Parts of run.json that have a place of their own in the page, or none."""
@@ -63,7 +65,7 @@ def write_page(directory: Path) -> None:
         warnings=record["warnings"],
         pictures=pictures,
         slides=slides,
-        tables=[_table(path, directory) for path in sorted(directory.rglob("*.csv"))],
+        tables=_tables(directory),
         options=_words(record["options"]),
         figures=_words({k: v for k, v in record.items() if k not in OWN}),
         versions=record["versions"],
@@ -120,7 +122,8 @@ def _source(path: Path, scale: float) -> str:
 
 
 def _packed(path: Path, size: int) -> bytes:
-    """A picture in at most about `size` bytes: all colours are kept, fine detail gives way."""
+    """A picture in at most about `size` bytes: all colours are kept, fine detail gives way, and
+    where that is not enough, the picture shrinks."""
     from PIL import Image
 
     with Image.open(path) as image:
@@ -129,16 +132,25 @@ def _packed(path: Path, size: int) -> bytes:
         file = BytesIO()
         picture.save(file, "WEBP", quality=quality, method=2)
         if file.tell() <= size:
-            break
+            return file.getvalue()
+    side = math.sqrt(size / file.tell())
+    shape = [max(round(pixels * side), 1) for pixels in picture.size]
+    picture.resize((shape[0], shape[1])).save(file := BytesIO(), "WEBP", quality=quality, method=2)
     return file.getvalue()
 
 
-def _table(path: Path, directory: Path) -> TableOfPage:
+def _tables(directory: Path) -> list[TableOfPage]:
+    paths = sorted(directory.rglob("*.csv"))
+    rows = min(ROWS, ALL_ROWS // max(len(paths), 1))
+    return [_table(path, directory, rows) for path in paths]
+
+
+def _table(path: Path, directory: Path, most: int) -> TableOfPage:
     """A table's first rows, its angles in degrees."""
     with open(path, newline="", encoding="utf-8") as file:
         reader = csv.reader(file)
         header = next(reader, [])
-        rows = [[*map(_cell, header, row)] for row in islice(reader, ROWS)]
+        rows = [[*map(_cell, header, row)] for row in islice(reader, most)]
     with open(path, "rb") as lines:
         more = sum(1 for _ in lines) - 1 - len(rows)
     names = [f"{n.removesuffix('_rad')} [degrees]" if n.endswith("_rad") else n for n in header]

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
 from msbsdf_cli.plots.style import in_degrees, method_look, order_colour, panels, save
-from msbsdf_cli.results.lobes import Lobes
+from msbsdf_cli.results.lobes import Lobes, plane_of_incidence
 from msbsdf_cli.scene import from_normal
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, merge_bins, spread_bins
 from surfaces.facet import Array
@@ -27,17 +27,17 @@ SYMBOLS = "E_r", "E_t"
 def draw_lobes(lobes: Lobes, directory: Path) -> None:
     """lobes.png of one run: plane of incidence, and a map for each order."""
     for side in range(len(lobes.sides)):
-        figure, axes = _grid(len(lobes.theta), len(lobes.names))
+        figure, axes = grid(len(lobes.theta), len(lobes.names))
         for row in range(len(lobes.theta)):
             draw_slice(axes[row, 0], lobes, row, side)
             for i, order in enumerate(lobes.names):
                 density = lobes.density[row, i, side]
                 energy = lobes.bins.value[row, i, side].sum()
                 title = f"order {order}   E = {energy:.4f}"
-                _map(axes[row, 1 + i], density, density.max(), title)
-                _mark(axes[row, 1 + i], lobes, row)
-            axes[row, 0].set_title(_title(lobes, row, side))
-        handles = _legend(lobes.names)[: len(lobes.names)]
+                hemisphere(axes[row, 1 + i], density, density.max(), title)
+                mark(axes[row, 1 + i], lobes.theta[row], lobes.phi)
+            axes[row, 0].set_title(row_title(lobes, row, side))
+        handles = legend(lobes.names)[: len(lobes.names)]
         figure.legend(handles=handles, loc="upper left", ncols=len(handles))
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
 
@@ -55,12 +55,12 @@ def lobe_comparison(simulated: Lobes, modelled: Lobes, directory: Path) -> list[
 
 def _draw_all_orders(simulated: Lobes, modelled: Lobes, directory: Path) -> None:
     for side in range(len(simulated.sides)):
-        figure, axes = _grid(len(simulated.theta), 3)
+        figure, axes = grid(len(simulated.theta), 3)
         for row in range(len(simulated.theta)):
             draw_slice(axes[row, 0], simulated, row, side, modelled)
-            _map_trio(axes[row, 1:], simulated, modelled, row, side)
-            axes[row, 0].set_title(_title(simulated, row, side))
-        handles = _legend(simulated.names)
+            map_trio(axes[row, 1:], simulated, modelled, row, side)
+            axes[row, 0].set_title(row_title(simulated, row, side))
+        handles = legend(simulated.names)
         figure.legend(handles=handles, loc="upper left", ncols=len(handles), columnspacing=1)
         save(figure, directory / ("lobes_transmitted.png" if side else "lobes.png"))
 
@@ -85,11 +85,11 @@ def draw_methods(simulated: Lobes, modelled: list[Lobes], directory: Path) -> No
 def _methods_panel(
     axis: Any, simulated: Lobes, modelled: list[Lobes], row: int, orders: slice, side: int
 ) -> None:
-    angle, values, errors = _plane(simulated, row, orders, side)
+    angle, values, errors = plane_of_incidence(simulated, row, orders, side)
     axis.errorbar(angle, values, errors, fmt="o", ms=1.8, lw=0.7, color="0.1")
     largest, each = values.max(), len(modelled)
     for k, lobes in enumerate(modelled):
-        angle, values, errors = _plane(lobes, row, orders, side)
+        angle, values, errors = plane_of_incidence(lobes, row, orders, side)
         # Bars here and there, each method's elsewhere: bands would hide one another.
         axis.errorbar(
             angle,
@@ -107,13 +107,13 @@ def _methods_panel(
 
 def _draw_orders(simulated: Lobes, modelled: Lobes, row: int, path: Path) -> None:
     orders, sides = simulated.names, simulated.sides
-    figure, axes = _grid(len(orders) * len(sides), 3)
+    figure, axes = grid(len(orders) * len(sides), 3)
     for side, name in enumerate(sides):
         for i, order in enumerate(orders):
             line = axes[side * len(orders) + i]
             draw_slice(line[0], simulated, row, side, modelled, only=i)
             line[0].set_title(f"order {order}, {name}   [1/sr]")
-            _map_trio(line[1:], simulated, modelled, row, side, slice(i, i + 1))
+            map_trio(line[1:], simulated, modelled, row, side, slice(i, i + 1))
     y, title = 1 - 0.15 / figure.get_figheight(), f"Light from {in_degrees(simulated.theta[row])}"
     figure.suptitle(title, fontsize=9, x=0.02, y=y, ha="left")
     save(figure, path)
@@ -131,7 +131,7 @@ def draw_slice(
     lines go with them."""
     for i in range(len(lobes.names)) if only is None else (only,):
         order = slice(i, i + 1)
-        angle, density, stderr = _plane(lobes, row, order, side)
+        angle, density, stderr = plane_of_incidence(lobes, row, order, side)
         label, colour = lobes.names[i], order_colour(i)
         if model is None:
             axis.plot(angle, density, color=colour, label=f"order {label}")
@@ -141,7 +141,7 @@ def draw_slice(
             seen = density > stderr
             points = angle[seen], density[seen], stderr[seen]
             axis.errorbar(*points, fmt="o", ms=1.8, lw=0.7, color=colour)
-            line, bar = _plane(model, row, order, side)[1:]
+            line, bar = plane_of_incidence(model, row, order, side)[1:]
             axis.plot(angle, np.where(line > bar, line, np.nan), color=colour, lw=0.9)
     _plane_axis(axis)
     if only is None:
@@ -154,7 +154,10 @@ DECADES = 1e-4
 
 def _over_decades(axis: Any, lobes: Lobes, row: int, side: int) -> None:
     """Later orders, which a linear axis would press onto the line of 0, beside the first."""
-    top = max(_plane(lobes, row, slice(i, i + 1), side)[1].max() for i in range(len(lobes.names)))
+    top = max(
+        plane_of_incidence(lobes, row, slice(i, i + 1), side)[1].max()
+        for i in range(len(lobes.names))
+    )
     if top > 0:
         axis.set_yscale("log")
         axis.set_ylim(DECADES * top, 1.5 * top)
@@ -167,37 +170,8 @@ def _plane_axis(axis: Any) -> None:
     axis.set_xlabel("theta_o in the plane of incidence, degrees", labelpad=1)
 
 
-def _plane(lobes: Lobes, row: int, orders: slice, side: int) -> tuple[Array, Array, Array]:
-    """Angles in degrees, densities and standard errors in the plane of incidence, of the sum over
-    some orders."""
-    polar, azimuth, _ = lobe_axes()
-    backward, forward = (_window(polar, azimuth, lobes.phi + turn) for turn in (0, np.pi))
-    values = lobes.density[row, orders, side].sum(axis=0)
-    errors = np.sqrt((lobes.density_stderr[row, orders, side] ** 2).sum(axis=0))
-    halves = [(values * window).sum(axis=1) for window in (backward, forward)]
-    # Errors of bins outside may be infinite.
-    squares = [
-        (np.where(window > 0, errors, 0) ** 2 * window**2).sum(axis=1)
-        for window in (backward, forward)
-    ]
-    return (
-        np.degrees(np.concatenate([-polar[::-1], polar])),
-        np.concatenate([halves[0][::-1], halves[1]]),
-        np.sqrt(np.concatenate([squares[0][::-1], squares[1]])),
-    )
-
-
-def _window(polar: Array, azimuth: Array, phi: float) -> Array:
-    """Weights (polar, azimuth) of the bins near azimuth `phi`: a bin wide, and towards the pole,
-    where bins are slivers, as wide as a bin is high."""
-    half_bin = np.pi / 4 / THETA_BINS
-    reach = np.maximum(np.pi / PHI_BINS, half_bin / np.sin(polar))
-    apart = np.abs(np.angle(np.exp(1j * (azimuth - math.remainder(phi, 2 * math.pi)))))
-    near = apart[None] <= reach[:, None] * (1 + 1e-9)
-    return near / near.sum(axis=1, keepdims=True)
-
-
-def _legend(orders: list[str]) -> list[Any]:
+def legend(orders: list[str]) -> list[Any]:
+    """Lines and points of the orders, simulated and modelled."""
     handles = [
         Line2D([], [], color=order_colour(i), label=f"order {o}") for i, o in enumerate(orders)
     ]
@@ -206,17 +180,18 @@ def _legend(orders: list[str]) -> list[Any]:
     return handles
 
 
-def _title(lobes: Lobes, row: int, side: int) -> str:
+def row_title(lobes: Lobes, row: int, side: int) -> str:
+    """Of a row: where the light is from, and how much of it leaves."""
     energy = lobes.energy.value[row, :, side].sum()
     return f"light from {in_degrees(lobes.theta[row])}   {SYMBOLS[side]} = {energy:.4f}   [1/sr]"
 
 
-def _grid(rows: int, maps: int) -> tuple[Any, Any]:
+def grid(rows: int, maps: int) -> tuple[Any, Any]:
     """Axes for a slice and `maps` hemisphere maps in each row."""
     return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.2, 0.72), right=0.45)
 
 
-def _map_trio(
+def map_trio(
     axes: Any, simulated: Lobes, modelled: Lobes, row: int, side: int, orders: slice = slice(None)
 ) -> None:
     """Maps of the sum over some orders: simulated, modelled, and what they differ in."""
@@ -227,25 +202,25 @@ def _map_trio(
     named = zip(("simulated", "modelled"), (simulated, modelled), pair, strict=True)
     for axis, (name, lobes, density) in zip(axes, named, strict=False):
         energy = lobes.energy.value[place].sum()
-        _map(axis, density, top, f"{name}   {SYMBOLS[side]} = {energy:.4f}")
-        _mark(axis, lobes, row)
+        hemisphere(axis, density, top, f"{name}   {SYMBOLS[side]} = {energy:.4f}")
+        mark(axis, lobes.theta[row], lobes.phi)
     difference = _significant(pair[1] - pair[0], np.sqrt(squares[0] + squares[1]))
     # The same share of the peak in every row: rows are compared by their colours.
-    _map(axes[2], difference, SHARE * top, "modelled - simulated, > 2 s.e.", signed=True)
-    _mark(axes[2], simulated, row)
+    hemisphere(axes[2], difference, SHARE * top, "modelled - simulated, > 2 s.e.", signed=True)
+    mark(axes[2], simulated.theta[row], simulated.phi)
 
 
 SHARE = 0.2
 """Of the peak of a lobe, at which the colour of a difference is fullest."""
 
 
-def _mark(axis: Any, lobes: Lobes, row: int) -> None:
+def mark(axis: Any, theta: float, phi: float) -> None:
     """Rings at polar angles of 30 and 60 degrees, and a triangle where the light comes from."""
     middle = (PIXELS - 1) / 2
     for angle in (30, 60):
         ring = Circle((middle, middle), middle * angle / 90, fill=False, color="0.6", lw=0.4)
         axis.add_patch(ring)
-    radius, phi = from_normal(lobes.theta[row]) / (np.pi / 2), lobes.phi
+    radius = from_normal(theta) / (np.pi / 2)
     x, y = (middle * (1 + 0.95 * radius * part) for part in (math.cos(phi), math.sin(phi)))
     # A triangle that points from there to the pole.
     axis.plot(x, y, marker=(3, 0, math.degrees(phi) + 90), ms=5, color="#2a9d2a", ls="")
@@ -260,8 +235,9 @@ def _significant(difference: Array, noise: Array) -> Array:
     return spread_bins(np.where(np.abs(mean) > 2 * stderr, mean, 0))
 
 
-def _map(axis: Any, density: Array, top: float, title: str, signed: bool = False) -> None:
-    """A hemisphere seen from its pole: the radius is the polar angle, x points right.
+def hemisphere(axis: Any, density: Array, top: float, title: str, signed: bool = False) -> None:
+    """Draw a density (THETA_BINS, PHI_BINS), up to `top`, as a hemisphere seen from its pole: the
+    radius is the polar angle, x points right.
 
     Brightness is the root of the density; of a difference, red is more and blue is less.
     """

@@ -31,8 +31,25 @@ def write_csv(path: Path, table: Table) -> None:
         writer.writerows(zip(*table.values(), strict=True))
 
 
+def read_csv(path: Path) -> Table:
+    """Columns of a table that `write_csv` wrote: numbers where all of their cells are."""
+    with open(path, newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    return {name: _numbers(column) for name, column in from_rows(header, rows).items()}
+
+
+def _numbers(column: Sequence[str]) -> Sequence[Any]:
+    try:
+        return [float(x) for x in column]
+    except ValueError:
+        return column
+
+
 INFINITE = {
     "free_path.csv": {"height_start", "height_low", "height_high"},
+    "heitz_8.csv": {"height_low", "height_high"},
+    "heitz_14.csv": {"height_start", "height_low", "height_high"},
+    "heitz_10.csv": {"height"},
     "reach.csv": {"seconds", "seconds_after_setup", "gain", "gain_stderr", "gain_after_setup"},
 }
 """Columns in which infinity is a value: rays from outside, an error that is never reached."""

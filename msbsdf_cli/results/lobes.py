@@ -1,6 +1,7 @@
 """Light that leaves a surface, with standard errors, whoever it comes from: what is compared and
 drawn."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -87,3 +88,35 @@ def lobes_of(
     rest = {name: estimate(name) for name in REST}
     light = estimate("energy"), estimate("lobe")
     return Lobes(label, theta, phi, tallies[0].orders, transmits, *light, rest, groups, free_paths)
+
+
+def plane_of_incidence(
+    lobes: Lobes, row: int, orders: slice, side: int
+) -> tuple[Array, Array, Array]:
+    """Angles in degrees, densities and standard errors in the plane of incidence, of the sum over
+    some orders."""
+    polar, azimuth, _ = lobe_axes()
+    backward, forward = (_window(polar, azimuth, lobes.phi + turn) for turn in (0, np.pi))
+    values = lobes.density[row, orders, side].sum(axis=0)
+    errors = np.sqrt((lobes.density_stderr[row, orders, side] ** 2).sum(axis=0))
+    halves = [(values * window).sum(axis=1) for window in (backward, forward)]
+    # Errors of bins outside may be infinite.
+    squares = [
+        (np.where(window > 0, errors, 0) ** 2 * window**2).sum(axis=1)
+        for window in (backward, forward)
+    ]
+    return (
+        np.degrees(np.concatenate([-polar[::-1], polar])),
+        np.concatenate([halves[0][::-1], halves[1]]),
+        np.sqrt(np.concatenate([squares[0][::-1], squares[1]])),
+    )
+
+
+def _window(polar: Array, azimuth: Array, phi: float) -> Array:
+    """Weights (polar, azimuth) of the bins near azimuth `phi`: a bin wide, and towards the pole,
+    where bins are slivers, as wide as a bin is high."""
+    half_bin = np.pi / 4 / THETA_BINS
+    reach = np.maximum(np.pi / PHI_BINS, half_bin / np.sin(polar))
+    apart = np.abs(np.angle(np.exp(1j * (azimuth - math.remainder(phi, 2 * math.pi)))))
+    near = apart[None] <= reach[:, None] * (1 + 1e-9)
+    return near / near.sum(axis=1, keepdims=True)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.experiments.figures import figure_17
-from msbsdf_cli.experiments.figures.figure_17 import slab
+from msbsdf_cli.experiments.figures import slab as figure_17
+from msbsdf_cli.experiments.figures.slab import slab
 from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.tradeoff import reference as module
 from msbsdf_cli.experiments.tradeoff.directions import lobe_directions
@@ -318,7 +318,7 @@ def test_figure_17_says_what_a_walk_is_worth(monkeypatch):
     """Errors of single walks, foretold, against those of repetitions with sixteen."""
     monkeypatch.setattr(figure_17, "ALPHAS", (0.5,))
     monkeypatch.setattr(figure_17, "ESTIMATORS", ("walk", "exact"))
-    table = figure_17.figure_17(SCENE, 0)
+    table = figure_17.error_over_time(SCENE, 0)
     told = [
         (mse, stderr)
         for name, n, mse, stderr in zip(

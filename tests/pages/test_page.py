@@ -91,6 +91,16 @@ def test_large_pictures_are_packed_and_keep_their_colours(tmp_path):
     assert "so &amp; so" in text
 
 
+def test_a_page_of_pictures_that_nothing_packs_has_smaller_ones(tmp_path):
+    rng = np.random.Generator(np.random.PCG64(0))
+    Image.fromarray(rng.integers(0, 256, (1500, 1500, 3), np.uint8)).save(tmp_path / "lobes.png")
+    (tmp_path / "t.csv").write_text("x\n" + "1.5\n" * 700)
+    made = {"command": "walk", "warnings": [], "options": {}, "versions": {}}
+    (tmp_path / "run.json").write_text(json.dumps(made))
+    page.write_page(tmp_path)
+    assert len((tmp_path / "index.html").read_text()) < 2e6
+
+
 def test_papers_are_those_behind_what_ran():
     keys = [entry.partition("{")[2].partition(",")[0] for entry in papers("walk", {})]
     assert keys == ["HHdD16"]

@@ -68,6 +68,10 @@ SUBJECTS = (
         )
         for a, t in ((0.1, 0.06), (0.5, 0.50), (1.0, 0.62))
     ),
+    *(
+        Subject("19", f"glass, alpha {a}", "sphere", "none", Ggx(a, a), Dielectric(1.5), t)
+        for a, t in ((0.4, 1.0), (1.0, 2.0))
+    ),
     Subject("20", "gold plate, textured", "plate", "roughness", Ggx(1, 1), GOLD, 0.27),
 )
 
@@ -78,23 +82,27 @@ ALPHAS, THETAS = (0.25, 0.5, 1.0), (0.0, 0.5, 1.0, 1.5)
 """Roughnesses and angles of the papers' lobes."""
 
 
-def claims(seed: int, workers: Workers, quiet: bool) -> list[Claim]:
-    """All claims. Times are those of the processors."""
+def claims(
+    seed: int, workers: Workers, quiet: bool, size: Settings = SETTINGS, repeats: int = REPEATS
+) -> list[Claim]:
+    """All claims, of pictures of this size. Times are those of the processors."""
     found = []
-    with Progress("claims", len(SUBJECTS) * REPEATS, "pairs", quiet) as progress:
+    with Progress("claims", len(SUBJECTS) * repeats, "pairs", quiet) as progress:
         for subject in SUBJECTS:
             pairs = []
-            for pair in _pairs(subject, seed, workers):
+            for pair in _pairs(subject, replace(size, seed=seed), repeats, workers):
                 pairs.append(pair)
                 progress.advance(1)
             found += [_time(subject, pairs), _variance(subject, pairs)]
     return [*found, *_double_scattering(workers)]
 
 
-def _pairs(subject: Subject, seed: int, workers: Workers) -> Iterator[tuple[Picture, Picture]]:
+def _pairs(
+    subject: Subject, size: Settings, repeats: int, workers: Workers
+) -> Iterator[tuple[Picture, Picture]]:
     of = stage(subject.scene, subject.texture)
-    for repeat in range(REPEATS):
-        settings = replace(SETTINGS, seed=seed + repeat)
+    for repeat in range(repeats):
+        settings = replace(size, seed=size.seed + repeat)
         # Turns are taken in both orders, so that neither method is always the one that warms up.
         order = PAIR if repeat % 2 else PAIR[::-1]
         made = render(of, subject.slopes, subject.material, order, settings, workers, True)

@@ -1,18 +1,19 @@
-"""figure_17.png: error over time of a slab's image, a panel for each roughness."""
+"""wang_17.png: error over time of a slab's image, a panel for each roughness."""
 
 from pathlib import Path
 
 import numpy as np
 
+from msbsdf_cli.experiments.figures.settings import Tables
 from msbsdf_cli.plots.style import panels, save
 from msbsdf_cli.plots.tradeoff import look
-from msbsdf_cli.results.files import Table
 
 BIDIRECTIONAL = "-bidirectional"
 
 
-def draw_figure_17(table: Table, path: Path) -> None:
+def draw_wang_17(tables: Tables, directory: Path) -> None:
     """As [WJFYHY22 supp.] Figure 17; rings at two samples a pixel."""
+    table = tables["wang_17"]
     rows = [dict(zip(table, cells, strict=True)) for cells in zip(*table.values(), strict=True)]
     alphas = list(dict.fromkeys(r["alpha_x"] for r in rows))
     figure, axes = panels(1, [2.2] * len(alphas), 2.2, (0.45, 0.4))
@@ -37,4 +38,4 @@ def draw_figure_17(table: Table, path: Path) -> None:
         axis.set_xlabel("microseconds a pixel", labelpad=1)
     axes[0, 0].set_ylabel("mean squared error, relative")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper left", ncols=3)
-    save(figure, path)
+    save(figure, directory / "wang_17.png")
