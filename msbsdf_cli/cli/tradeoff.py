@@ -71,7 +71,7 @@ def command(**options: Any) -> None:
             "--against surfaces is for Beckmann slopes, whose surfaces are traced, and not with "
             "--no-surfaces."
         )
-    options["method"] = common.methods_for(scene, options["method"])
+    options["method"] = methods_of(scene, options)
     if options["replicates"] is None:
         options["replicates"] = affordable(options)
     report = Report("tradeoff", scene.slug(), options)
@@ -92,6 +92,18 @@ def command(**options: Any) -> None:
             draw_tradeoff(result.energies, [], draft / "energies.png", "energies of orders")
         draw_scaling(result.scaling, draft / "scaling.png")
     report.end(lambda: show(result.rows))
+
+
+def methods_of(scene: Any, options: dict[str, Any]) -> tuple[str, ...]:
+    """Those that are wanted, or all; against the Smith model without those of another one, whose
+    distance from it is no error."""
+    from msbsdf_cli.cli import common
+    from msbsdf_cli.methods.registry import METHODS
+
+    found = common.methods_for(scene, options["method"])
+    if options["method"] is not None or options["against"] == "surfaces":
+        return found
+    return tuple(name for name in found if METHODS[name].traits.smith_first)
 
 
 NO_SURFACES = (
