@@ -2,6 +2,7 @@
 
 import csv
 import json
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import islice
@@ -15,6 +16,7 @@ from msbsdf_cli.cli.meshes import BYTES_PER_CELL
 from msbsdf_cli.cli.report import Report
 from msbsdf_cli.cli.study import study_of
 from msbsdf_cli.cli.sweep_table import TABLE, Rows
+from msbsdf_cli.experiments.sweep.states import State
 from msbsdf_cli.experiments.sweep.surfaces import SurfaceCase
 from msbsdf_cli.experiments.sweep.sweep import Sweep
 from msbsdf_cli.experiments.sweep.work import Failure, Piece
@@ -188,14 +190,23 @@ def do(sweep: Sweep, store: PieceStore, own: Options, total: int) -> dict[str, s
         workers(own) as executor,
     ):
         progress.skip(len(done))
-        for piece, states in map_completed(Piece.do, left, executor):
+        for piece, done_piece in map_completed(timed, left, executor):
             name = name_of(piece.seed, piece.number)
-            if isinstance(states, Failed):
-                failures[name] = states.reason
+            if isinstance(done_piece, Failed):
+                failures[name] = done_piece.reason
+                progress.advance(1, f"piece {piece.number} failed")
             else:
+                states, seconds = done_piece
                 store.keep(name, states)
-            progress.advance(1)
+                labels = ", ".join(map(str, sweep.cases.labels(piece.places[0])))
+                progress.advance(1, f"{piece.kind} {labels} took {seconds:.2g} s")
     return failures
+
+
+def timed(piece: Piece) -> tuple[list[State], float]:
+    """What a piece comes to, and the seconds that it took whoever did it."""
+    started = time.perf_counter()
+    return piece.do(), time.perf_counter() - started
 
 
 @contextmanager

@@ -18,6 +18,8 @@ class Progress:
         self.started = self.said = time.monotonic()
         self.done = self.earlier = 0.0
         self.label, self.total, self.unit = label, total, unit
+        self.last = ""
+        """What came back last, and how long it took, in words."""
         self.in_lines = not (quiet or sys.stderr.isatty())
         self.bar: Any = _bar() if sys.stderr.isatty() and not quiet else None
 
@@ -45,9 +47,10 @@ class Progress:
         self.earlier += amount
         self.advance(amount)
 
-    def advance(self, amount: float) -> None:
-        """Count work as done."""
+    def advance(self, amount: float, last: str = "") -> None:
+        """Count work as done; `last` says what it was."""
         self.done += amount
+        self.last = f"; last {last}" if last else ""
         wait = DRAWN_S if self.bar is not None else EVERY_S
         if time.monotonic() - self.said < wait:
             return
@@ -58,12 +61,12 @@ class Progress:
             left = (self.total - self.done) / max(self.rate, 1e-9)
             click.echo(
                 f"{self.label}: {self.done:.4g} of {self.total:.4g} {self.unit}, "
-                f"{self.rate:.3g} a second, {left:.0f} s left.",
+                f"{self.rate:.3g} a second, {left:.0f} s left{self.last}.",
                 err=True,
             )
 
     def _draw(self) -> None:
-        rate = f"{self.rate:.3g} {self.unit}/s"
+        rate = f"{self.rate:.3g} {self.unit}/s{self.last}"
         self.bar.update(self.task, completed=self.done, rate=rate, refresh=True)
 
 
