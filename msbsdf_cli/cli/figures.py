@@ -7,13 +7,14 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.gallery import GALLERY
+from msbsdf_cli.cli.help import Page
 from msbsdf_cli.cli.options import REPORT, use
 from msbsdf_cli.experiments.figures.catalogue import FIGURES, Figure
 
 CHEAP = tuple(name for name, figure in FIGURES.items() if figure.cheap)
 
 
-@click.command("figures")
+@click.command("figures", cls=Page)
 @click.argument(
     "names",
     nargs=-1,
@@ -34,10 +35,6 @@ def command(**options: Any) -> None:
 
     NAME is a figure, as --list names them, or `claims`: what the papers state, beside what is
     measured here. Without NAME, those that take a few seconds.
-
-    \b
-    msbsdf figures heitz-15 wang-2
-    msbsdf figures --quick
     """
     if options.pop("list"):
         show_list()

@@ -22,6 +22,7 @@ GROUPS = {
 """Parameters by group; what is in none is the command's own, and comes first."""
 
 EXAMPLES = {
+    "figures": ("figures heitz-15 wang-2", "figures --quick"),
     "simulate": (
         "simulate --alpha 0.8 --theta 0,60deg",
         "simulate --material dielectric --theta 150deg --accuracy 0.005",
