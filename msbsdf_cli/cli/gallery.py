@@ -29,7 +29,7 @@ class Folder:
 
     name: str
     made_by: dict[str, tuple[str, ...]]
-    """What is kept of the report of each command."""
+    """What is kept of the report of each command, without the directories within it."""
     needs: str | None = None
     """Another folder, whose reports the commands read."""
 
@@ -48,7 +48,7 @@ GALLERY = {
             {
                 "msbsdf compare": (
                     *("agreement.csv", "agreement.png", "free_path.png", "lobes.png"),
-                    *("lobes_theta_1.png", "surface.png"),
+                    *("lobes_theta_1.png", "simulate/surface.png"),
                 )
             },
         ),
@@ -56,7 +56,8 @@ GALLERY = {
             "glass",
             {
                 "msbsdf compare --material dielectric --alpha 1,0.1 --theta 0.5,1.5": (
-                    *("agreement.csv", "lobes.png", "lobes_transmitted.png", "surface.png"),
+                    *("agreement.csv", "lobes.png", "lobes_transmitted.png"),
+                    "simulate/surface.png",
                 )
             },
         ),
@@ -208,7 +209,7 @@ def _keep(folder: Folder, reports: dict[str, dict[str, Any]], work: Path, to: Pa
     to.mkdir(parents=True, exist_ok=True)
     for command, files in folder.made_by.items():
         for name in files:
-            (to / name).write_bytes(_packed(work / reports[command]["report"] / name))
+            (to / Path(name).name).write_bytes(_packed(work / reports[command]["report"] / name))
     last = reports[next(reversed(folder.made_by))]
     about = {"commands": list(folder.made_by), "version": last["versions"]["msbsdf"]}
     about |= {"commit": last["commit"], "started": last["started"]}
