@@ -5,7 +5,8 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.help import Page
-from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Roughness, samples, use
+from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, samples, use
+from msbsdf_cli.cli.types import Roughness
 
 
 @click.command("furnace", cls=Page)

@@ -84,7 +84,7 @@ def merge_sweeps(places: list[Path], records: list[Options], options: Options) -
     failures = {name: why for archive in archives for name, why in archive.failures.items()}
     check_whole(found.sweep, places, archives, failures)
     plan = found.plan(None)
-    merged = options | {"merged": list(map(str, places)), "sweep": found.command, **plan}
+    merged = options | {"merged": list(map(str, places)), "seed": list(seeds), **plan}
     report = Report("merge", f"sweep-{found.slug}", merged)
     report.command = "sweep"
     write(report, found.sweep, failures, plan, *archives, together=True)

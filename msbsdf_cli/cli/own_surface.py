@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from msbsdf_cli.cli.options import MOST_ROUGHNESS, OF_FILE, UNITS
+from msbsdf_cli.cli.options import OF_FILE
+from msbsdf_cli.cli.types import MOST_ROUGHNESS, UNITS
 from msbsdf_cli.smith.slopes import OF_SURFACE
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from msbsdf_cli.cli.options import Angles, Count, Numbers, Real, Roughness, quoted
+from msbsdf_cli.cli.types import Angles, Count, Numbers, Real, Roughness, quoted
 from msbsdf_cli.experiments.sweep.plan import Axis
 
 RANGE = re.compile(r"(log:)?([^:,]+):([^:,]+):(\d+)")

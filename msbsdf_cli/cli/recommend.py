@@ -9,7 +9,8 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.help import Page
-from msbsdf_cli.cli.options import REPORT, Real, samples, use
+from msbsdf_cli.cli.options import REPORT, samples, use
+from msbsdf_cli.cli.types import Real
 from msbsdf_cli.experiments.render.scenes import NAMES as SCENES
 from msbsdf_cli.results.files import columns
 

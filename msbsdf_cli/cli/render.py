@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.help import Page
-from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, Count, use
+from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, use
+from msbsdf_cli.cli.types import Count
 from msbsdf_cli.experiments.render.scenes import NAMES, TEXTURES
 
 SURFACE = tuple(name for name in MODEL_IN_COLOUR if name not in ("theta", "phi"))

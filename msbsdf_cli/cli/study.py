@@ -13,15 +13,6 @@ from msbsdf_cli.cli.ranges import axis, given, in_file
 from msbsdf_cli.experiments.sweep.plan import Axis, Cases
 from msbsdf_cli.experiments.sweep.sweep import Sweep
 
-TABLES = {
-    "simulate": "energy.csv",
-    "walk": "energy.csv",
-    "compare": "agreement.csv",
-    "evaluate": "slice.csv",
-    "furnace": "furnace.csv",
-}
-"""The commands that can be swept, and their main tables."""
-
 NOT_SWEPT = (
     *("out", "force", "format", "quiet", "as_json", "threads"),
     *("surface", "step", "height_unit", "periodic", "detrend", "filter", "wavelength"),
@@ -61,8 +52,8 @@ def study_of(command: str, words: tuple[str, ...]) -> Study:
     texts: dict[str, list[str]] = {}
     if command.endswith(".toml"):
         command, texts = in_file(Path(command))
-    if command not in TABLES:
-        known = ", ".join(TABLES)
+    if command not in KINDS:
+        known = ", ".join(KINDS)
         raise click.UsageError(f"{command!r} is not a command that can be swept: {known}.")
     flags = {flag: option for option in swept(command).values() for flag in option.opts}
     return study(command, texts | given(words, flags))

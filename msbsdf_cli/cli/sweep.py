@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.help import Page
-from msbsdf_cli.cli.options import REPORT, Typed, quoted, use
+from msbsdf_cli.cli.options import REPORT, use
+from msbsdf_cli.cli.types import Typed, quoted
 
 
 class Shard(Typed):

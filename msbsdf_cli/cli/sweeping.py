@@ -20,6 +20,7 @@ from msbsdf_cli.experiments.sweep.states import State
 from msbsdf_cli.experiments.sweep.surfaces import SurfaceCase
 from msbsdf_cli.experiments.sweep.sweep import Sweep
 from msbsdf_cli.experiments.sweep.work import Failure, Piece
+from msbsdf_cli.results.files import json_text
 from msbsdf_cli.results.seal import unsealed
 from msbsdf_cli.results.sweeps import (
     ARCHIVE,
@@ -52,8 +53,11 @@ def sweep(command: str, words: tuple[str, ...], own: Options) -> None:
     own["force"] = own["force"] or _is_dry(out)
     if not own["force"] and not own["dry_run"] and finished(out, plan):
         _say(own, f"{out} holds this sweep, and it is whole; nothing is left to do.")
+        if own["as_json"]:
+            click.echo(json_text(unsealed(out) | {"report": str(out)}))
         return
-    report = Report("sweep", f"{found.slug}{share}", own | {"sweep": command, **plan})
+    options = own | {"sweep": command, "seed": list(found.sweep.seeds), **plan}
+    report = Report("sweep", f"{found.slug}{share}", options)
     total = announce(found.sweep, own)
     if own["dry_run"]:
         write_plan(report, found.sweep, total)

@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.help import Page
-from msbsdf_cli.cli.options import MODEL, REPORT, RESOLUTION, Count, samples, use
+from msbsdf_cli.cli.options import MODEL, REPORT, RESOLUTION, samples, use
+from msbsdf_cli.cli.types import Count
 
 
 @click.command("tradeoff", cls=Page)

@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from msbsdf_cli.cli.help import Page
-from msbsdf_cli.cli.options import REPORT, Count, use
+from msbsdf_cli.cli.options import REPORT, use
+from msbsdf_cli.cli.types import Count
 
 SAMPLES, QUICK_SAMPLES = 2_000_000, 50_000
 

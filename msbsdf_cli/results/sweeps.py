@@ -83,7 +83,10 @@ class PieceStore:
     def _check_plan(self) -> None:
         path = self.directory / PLAN
         if path.exists():
-            refuse_other(self.plan, _json(path.read_bytes(), path), self.directory)
+            try:
+                refuse_other(self.plan, _json(path.read_bytes(), path), self.directory)
+            except ValueError as error:
+                raise ValueError(f"{error} Name another --out, or remove the directory.") from None
             return
         draft = path.with_suffix(".draft")
         draft.write_text(json.dumps(self.plan), encoding="utf-8")

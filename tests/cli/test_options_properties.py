@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from msbsdf_cli.cli.options import Angles, Count, Methods, Numbers, Real, Roughness
+from msbsdf_cli.cli.types import Angles, Count, Methods, Numbers, Real, Roughness
 
 typed = st.one_of(
     st.text(max_size=12),

@@ -39,6 +39,7 @@ def test_the_table_is_long_and_has_every_option_that_varies(tmp_path):
     assert abs(sum(energies) - 1) < 1e-9
     record = json.loads((tmp_path / "a" / "run.json").read_text())
     assert record["command"] == "sweep"
+    assert record["seed"] == [0]
     assert record["rows"] == len(rows)
 
 
@@ -154,6 +155,8 @@ def test_a_sweep_goes_on_where_it_ended(tmp_path, monkeypatch):
     assert len(done) == 2
     assert content(tmp_path / "a") == content(tmp_path / "whole")
     before = (tmp_path / "a" / "run.json").read_bytes()
+    said = json.loads(msbsdf(*words, "--json").stdout)
+    assert said["rows"] == len(table(tmp_path / "a" / "sweep.csv"))
     again = msbsdf(*words)
     assert again.returncode == 0
     assert "it is whole" in again.stderr

@@ -8,7 +8,7 @@ import numpy as np
 from msbsdf_cli.experiments.evaluate import EvaluationJob, Part, Values, part_sizes, run_job
 from msbsdf_cli.experiments.pilot import pilot
 from msbsdf_cli.experiments.slices import Slice, slice_table
-from msbsdf_cli.experiments.sweep.states import LARGEST, State
+from msbsdf_cli.experiments.sweep.states import LARGEST, State, total
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.scene import Scene
@@ -53,15 +53,9 @@ class ValueCase:
         """Sums over the parts of the samples of one method, in its place among those of all."""
         method, scene = self.methods[part], self.scene
         sizes = [1] if METHODS[method].deterministic else part_sizes(self.samples, 1)
-        sums: State = {}
-        for number, size in enumerate(sizes):
-            how = size, self.seed, self.precision, self.directions.wo, self.bidirectional
-            (found,) = run_job(EvaluationJob(scene, method, (0,), number, *how))
-            for name, array in _sums(found).items():
-                if name.startswith(LARGEST):
-                    sums[name] = np.maximum(sums.get(name, 0), array)
-                else:
-                    sums[name] = sums.get(name, 0) + array
+        how = self.seed, self.precision, self.directions.wo, self.bidirectional
+        jobs = (EvaluationJob(scene, method, (0,), i, n, *how) for i, n in enumerate(sizes))
+        sums = total(_sums(found) for job in jobs for found in run_job(job))
         return {name: _in_place(array, part, self.parts) for name, array in sums.items()}
 
     def table(self, state: State) -> Table:
@@ -103,7 +97,7 @@ def _values(method: str, theta: float, sums: State) -> Values:
     from the same walks, from the scatter of the parts."""
     parts, n = float(sums["parts"]), float(sums["samples"])
     value = sums["values"] / n
-    total = value.sum(axis=1)
+    summed = value.sum(axis=1)
     if METHODS[method].deterministic:
         stderr = sums["errors"] / n
         of_total = stderr.sum(axis=1)
@@ -113,10 +107,10 @@ def _values(method: str, theta: float, sums: State) -> Values:
         stderr[:, 1:] = np.hypot(stderr[:, 1:], undersampled[:, None])
         of_total = stderr.sum(axis=1)
         if parts > 1:
-            square = sums["scatter"] - 2 * total * sums["products"] + total**2 * sums["squares"]
+            square = sums["scatter"] - 2 * summed * sums["products"] + summed**2 * sums["squares"]
             scatter = np.sqrt(np.maximum(square, 0) * parts / (parts - 1)) / n
             of_total = np.hypot(scatter, undersampled)
     value, stderr = (
-        np.concatenate([a, t[:, None]], axis=1) for a, t in ((value, total), (stderr, of_total))
+        np.concatenate([a, t[:, None]], axis=1) for a, t in ((value, summed), (stderr, of_total))
     )
     return Values(method, theta, value, stderr, float(sums[UNRESOLVED]), 0.0)
