@@ -86,6 +86,6 @@ def _draw_worth(axis: Any, line: list[Scaling], parameter: str) -> None:
     else:
         y = np.array([r.relative_rmse for r in line])
         error = np.minimum([r.relative_rmse_stderr for r in line], 0.9 * y)
-    # Errors are noise: a line through them would show more than is known.
-    joined = "-" if error is None else ""
+    # Errors and ratios near 1 are noise: a line through them would show more than is known.
+    joined = "-" if parameter == "threads" else ""
     axis.errorbar(x, y, error, fmt=marker + joined, ms=3.5, color=colour, elinewidth=0.7)

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from msbsdf_cli.experiments.tradeoff.floors import Floor
 from msbsdf_cli.experiments.tradeoff.rows import Row
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.plots.style import save
+from msbsdf_cli.plots.style import in_degrees, save
 
 SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
 """Colours and markers of what is traced on explicit surfaces."""
@@ -56,7 +56,7 @@ def draw_tradeoff(
         mine = [as_point(r) for r in rows if r.theta_i_rad == theta]
         mine_floors = [f for f in floors if f.theta_i_rad == theta]
         _draw_panel(panel, mine, mine_floors, limits, large=False)
-        panel.set_title(f"theta_i = {theta:.4g}")
+        panel.set_title(f"light from {in_degrees(theta)}")
     _legend(figure, rows)
     save(figure, path)
 

@@ -147,3 +147,9 @@ def test_turquin_returns_all_energy_of_a_mirror_but_is_not_reciprocal():
     there = method.evaluate(a, b[:, None], 0, RNG(0)).value[0, 1, 0] / b[2]
     back = method.evaluate(b, a[:, None], 0, RNG(0)).value[0, 1, 0] / a[2]
     assert there / back > 1.5
+
+
+def test_no_two_methods_look_alike():
+    looks = [(method.traits.colour, method.traits.marker) for method in METHODS.values()]
+    assert len(set(looks)) == len(METHODS)
+    assert len({colour for colour, _ in looks}) == len(METHODS)

@@ -58,7 +58,7 @@ class Published(FollowsPaths):
     """
 
     name = "published"
-    traits = Traits("#882255", "v", model="published", consistent=False)
+    traits = Traits("#8c510a", "h", model="published", consistent=False)
 
     def __init__(
         self,
