@@ -20,10 +20,7 @@ def compare(options: dict[str, Any]) -> None:
     from surfaces.describe import Description
     from surfaces.describe.fits import fits
 
-    if options["memory"]:
-        raise click.UsageError("--memory beside --heights-of: it is for Gaussian surfaces.")
-    if options["method"] is not None:
-        raise click.UsageError("--method beside --heights-of: its parts are those of the walk.")
+    check_options(options)
     beckmann = common.scene_from(options | {"slopes": "beckmann"})
     place = Report("compare", simulate.slug(beckmann, options), options)
     refuse_mesh(options)
@@ -43,7 +40,15 @@ def compare(options: dict[str, Any]) -> None:
         of_walks = ("samples", "seed", "threads", "precision", "max_order", "quiet")
         walks = walks_on(scene, models, *(options[n] for n in of_walks))
         light = traced(lobes, run.paths // len(scene.theta))
-        found = parts(scene, light, walks, models, name)
-        pictures += compare_surface.write(place, Path(draft), run, found, about)
+        found = parts(scene, light, walks, name)
+        pictures += compare_surface.write(place, Path(draft), run, found, models, about)
         do_all(pictures, options["threads"])
     place.end(lambda: compare_surface.show_parts(found))
+
+
+def check_options(options: dict[str, Any]) -> None:
+    """Refuse options of other comparisons. Raises click.UsageError."""
+    if options["memory"]:
+        raise click.UsageError("--memory beside --heights-of: it is for Gaussian surfaces.")
+    if options["method"] is not None:
+        raise click.UsageError("--method beside --heights-of: its parts are those of the walk.")

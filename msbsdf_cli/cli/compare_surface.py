@@ -18,20 +18,30 @@ def check_options(runs: tuple[str, ...], options: dict[str, Any]) -> None:
     """Refuse options that belong to other comparisons. Raises click.UsageError."""
     own_surface.check_options(options)
     if options["surface"] is None:
-        if options["slopes"] != "beckmann" and options["heights_of"] == "gaussian":
-            raise click.UsageError(
-                f"--slopes {options['slopes']} without --surface: random surfaces are beckmann."
-            )
+        check_slopes(options)
     elif runs:
         raise click.UsageError("reports beside --surface: light is traced on the surface itself.")
     elif options["method"] is not None:
         raise click.UsageError("--method beside --surface: its parts are those of the walk.")
     elif options["memory"]:
         raise click.UsageError("--memory beside --surface: it is for Gaussian surfaces.")
-    if options["memory"] and options["method"] is not None:
-        raise click.UsageError("--memory beside --method: there it is the method walk-memory.")
+    check_memory(options)
     if _given("gamma") and options["slopes"] != "student-t":
         raise click.UsageError("--gamma without --slopes student-t: no other slopes have one.")
+
+
+def check_slopes(options: dict[str, Any]) -> None:
+    """Refuse slopes that random surfaces do not have. Raises click.UsageError."""
+    if options["slopes"] != "beckmann" and options["heights_of"] == "gaussian":
+        raise click.UsageError(
+            f"--slopes {options['slopes']} without --surface: random surfaces are beckmann."
+        )
+
+
+def check_memory(options: dict[str, Any]) -> None:
+    """Refuse methods beside a walk that remembers. Raises click.UsageError."""
+    if options["memory"] and options["method"] is not None:
+        raise click.UsageError("--memory beside --method: there it is the method walk-memory.")
 
 
 def _given(option: str) -> bool:
@@ -70,8 +80,8 @@ def compare(options: dict[str, Any]) -> None:
         own_surface.draw(draft, scene, field, options)
         of_walks = ("samples", "seed", "threads", "precision", "max_order", "quiet")
         walks = walks_on(scene, models, *(options[n] for n in of_walks))
-        found = parts(scene, traced(lobes, run.paths // len(scene.theta)), walks, models, name)
-        pictures += write(place, draft, run, found, about)
+        found = parts(scene, traced(lobes, run.paths // len(scene.theta)), walks, name)
+        pictures += write(place, draft, run, found, models, about)
         do_all(pictures, options["threads"])
 
     def show() -> None:
@@ -84,15 +94,10 @@ def compare(options: dict[str, Any]) -> None:
 def models_from(slopes: Any, about: Any, options: dict[str, Any]) -> tuple[Any, str]:
     """Slopes of the surface and distributions fitted to them; the name of the one to be judged,
     which is the one wanted, or the best. Raises click.BadParameter where nothing can be fitted."""
-    from msbsdf_cli.experiments.fitted_walks import best_fit, models_of
-    from surfaces.describe.fits import KINDS, Kind
+    from msbsdf_cli.experiments.fitted_walks import best_fit, kinds, models_of
 
-    kinds: tuple[Kind, ...] = KINDS
-    if _given("gamma"):
-        tail = 1 / (options["gamma"] - 1)
-        kinds = tuple(replace(k, tail=tail) if k.name == "student_t" else k for k in kinds)
     try:
-        models = models_of(slopes, kinds)
+        models = models_of(slopes, kinds(options["gamma"] if _given("gamma") else None))
     except ValueError as error:
         raise click.BadParameter(f"{options['surface']}: {error}", param_hint="--surface") from None
     return models, options["slopes"] if _given("slopes") else best_fit(about)
@@ -110,7 +115,7 @@ def warn(
     place.warn([*common.scene_warnings(options), *sentences, *common.facet_warnings(scene), *long])
 
 
-def write(place: "Report", draft: Any, run: Any, found: Any, about: Any) -> list[Any]:
+def write(place: "Report", draft: Any, run: Any, found: Any, models: Any, about: Any) -> list[Any]:
     """Write the report into `draft`; what draws."""
     from msbsdf_cli.cli.runs import summary
     from msbsdf_cli.experiments.compare import Row
@@ -121,30 +126,30 @@ def write(place: "Report", draft: Any, run: Any, found: Any, about: Any) -> list
         "agreement.csv": columns(found.rows, (f.name for f in fields(Row))),
         "roughness.csv": about.to_columns(),
     }
-    more = {"energies": summary(run), **run.notes, "summary": in_one_sentence(found)}
+    more = {"energies": summary(run), **run.notes, "summary": in_one_sentence(found, models)}
     place.write(draft, tables, run.paths, run.bounces_mean, run.wall_s, more)
     return [partial(draw_parts, found.rows, draft / "parts.png")]
 
 
-def in_one_sentence(found: Any) -> str:
+def in_one_sentence(found: Any, models: Any) -> str:
     """What a reader would want to know first: each part where it is largest."""
     from msbsdf_cli.experiments.parts import PARTS
 
     of_slopes, of_heights, of_bounces, whole = map(found.worst, (*PARTS, "whole"))
     text = (
         f"Of the light, {share(of_slopes)} goes elsewhere because the slopes are not those of "
-        f"{named(found.fitted)}, {share(of_heights)} because heights are correlated, together "
-        f"{share(whole)}, and {share(of_bounces)} would because single scattering leaves out later "
-        "bounces; "
+        f"{named(models[found.fitted][0])}, {share(of_heights)} because heights are correlated, "
+        f"together {share(whole)}, and {share(of_bounces)} would because single scattering leaves "
+        "out later bounces; "
     )
     if found.least is None:
         return text + "no fitted distribution is within the part of correlated heights."
-    slopes, bounces = found.least
+    name, bounces = found.least
     walk = {None: "all bounces of the walk", 1: "one bounce"}
     words = walk.get(bounces, f"{bounces} bounces of the walk")
     return (
-        text + f"the least model that is within the part of correlated heights is {named(slopes)} "
-        f"with {words}."
+        text + "the least model that is within the part of correlated heights is "
+        f"{named(models[name][0])} with {words}."
     )
 
 

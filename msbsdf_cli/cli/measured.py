@@ -6,29 +6,35 @@ from typing import Any
 
 import click
 
-from msbsdf_cli.cli import common
+from msbsdf_cli.cli import common, compare_skewed, compare_surface, own_surface
+from msbsdf_cli.cli.options import OF_FILE
 from msbsdf_cli.cli.simulate import RESOLVED
-from msbsdf_cli.experiments.resolution import plan, rays
+from msbsdf_cli.experiments.resolution import LEAST_RAYS, plan, rays
 from msbsdf_cli.experiments.slices import slice_directions
 from msbsdf_cli.experiments.sweep.albedos import AlbedoCase
-from msbsdf_cli.experiments.sweep.pairs import Pair
+from msbsdf_cli.experiments.sweep.files import FileCase, own_slopes
+from msbsdf_cli.experiments.sweep.fitted import Facets, FittedCase, RandomFacets
+from msbsdf_cli.experiments.sweep.methods import MethodCase
+from msbsdf_cli.experiments.sweep.pairs import InParts, Pair
 from msbsdf_cli.experiments.sweep.plan import Cases
 from msbsdf_cli.experiments.sweep.surfaces import OF_MODELS, SurfaceCase
 from msbsdf_cli.experiments.sweep.values import ValueCase
 from msbsdf_cli.experiments.sweep.walks import WalkCase
 from msbsdf_cli.experiments.sweep.work import Alone, Failure, Measured, place_of, seed_of
 from msbsdf_cli.experiments.walk import remembered_surface
+from msbsdf_cli.scene import Scene
+from msbsdf_cli.smith.slopes import Slopes
 
 Options = dict[str, Any]
 
 KINDS: dict[str, tuple[Any, ...]] = {
-    "simulate": (SurfaceCase,),
+    "simulate": (SurfaceCase, FileCase),
     "walk": (WalkCase,),
-    "compare": (SurfaceCase, WalkCase),
+    "compare": (SurfaceCase, FileCase, WalkCase, MethodCase, FittedCase),
     "evaluate": (ValueCase,),
     "furnace": (AlbedoCase,),
 }
-"""The kinds of work of each command."""
+"""The kinds of work that each command may have."""
 
 
 @dataclass
@@ -39,6 +45,8 @@ class Settings:
     command: str
     options: Options
     cases: Cases
+    given: frozenset[str]
+    """Options that are not as the command has them by itself."""
 
     def __post_init__(self) -> None:
         self.resolutions: dict[str, Any] = {}
@@ -54,18 +62,62 @@ class Settings:
             return Failure(f"{refusal}")
 
     def _measured(self, options: Options, seed: int) -> Measured:
+        if options.get("surface") is not None:
+            return self._on_file(options, seed)
         if self.command == "walk":
             return Alone(_walks(options, seed, options["samples"], False))
         if self.command == "evaluate":
             return Alone(_values(options, seed))
         if self.command == "furnace":
             return Alone(_albedos(options, seed))
-        both = self.command == "compare"
-        surfaces = self._surfaces(options, seed, both)
-        if not both:
-            return Alone(surfaces)
+        if self.command == "simulate":
+            return Alone(self._surfaces(options, seed, False))
+        return self._pair(options, seed)
+
+    def _pair(self, options: Options, seed: int) -> Pair | InParts:
+        """Random surfaces and what is held against them."""
+        if options["heights_of"] != "gaussian":
+            compare_skewed.check_options(options)
+            surfaces = self._surfaces(options | WITHOUT_FREE_PATHS, seed, True)
+            facets = RandomFacets(surfaces.resolution, seed)
+            return InParts(surfaces, self._fitted(options, seed, surfaces.scene, facets))
+        compare_surface.check_slopes(options)
+        compare_surface.check_memory(options)
+        surfaces = self._surfaces(options, seed, True)
         samples = surfaces.rays * surfaces.resolution.realisations
-        return Pair(surfaces, _walks(options, seed, samples, True))
+        if options["method"] is None:
+            return Pair(surfaces, _walks(options, seed, samples, True))
+        methods = common.methods_for(surfaces.scene, options["method"])
+        place = seed_of(seed, _identity(options)), options["precision"]
+        return Pair(surfaces, MethodCase(surfaces.scene, methods, samples, *place))
+
+    def _on_file(self, options: Options, seed: int) -> Measured:
+        """Light and walks on a surface that is given."""
+        source = own_surface.source(options)
+        slopes = own_slopes(source)
+        if self.command == "walk":
+            options |= {"alpha": slopes.alpha}
+            return Alone(_walks(options, seed, options["samples"], False, slopes))
+        beckmann = options | {"slopes": "beckmann", "alpha": slopes.alpha}
+        scene, samples = common.scene_from(beckmann), options["samples"] or LEAST_RAYS
+        how = samples, seed_of(seed, _identity(options)), options["max_order"]
+        light = FileCase.of(scene, source, *how, directions=self.command == "compare")
+        if self.command == "simulate":
+            return Alone(light)
+        return InParts(light, self._fitted(options | {"samples": samples}, seed, scene, source))
+
+    def _fitted(self, options: Options, seed: int, scene: Scene, facets: Facets) -> FittedCase:
+        slopes, gamma = (options[n] if n in self.given else None for n in ("slopes", "gamma"))
+        return FittedCase(
+            scene,
+            facets,
+            slopes,
+            gamma,
+            options["samples"] or LEAST_RAYS,
+            seed_of(seed, _identity(options)),
+            options["precision"],
+            options["max_order"],
+        )
 
     def _surfaces(self, options: Options, seed: int, directions: bool) -> SurfaceCase:
         scene, resolution = common.scene_from(options), self._resolution(options)
@@ -74,7 +126,7 @@ class Settings:
             scene,
             -(-samples // resolution.realisations),
             resolution,
-            common.free_paths_from(options, "gaussian"),
+            common.free_paths_from(options, options["heights_of"]),
             seed,
             place_of(_identity(options, *OF_MODELS)),
             options["max_order"],
@@ -108,11 +160,22 @@ def _finest(found: list[Any]) -> Any:
 
 def _identity(options: Options, *but: str) -> str:
     """What is measured, in words, but for options that make no difference to it."""
+    # What came to be options later does not change what was measured without them.
+    idle = [name for name in (*OF_FILES, "method") if options.get(name) is None]
+    but = (*but, *idle, *(OF_FILES if "surface" in idle else ()))
     return json.dumps({k: v for k, v in sorted(options.items()) if k not in but}, default=str)
 
 
-def _walks(options: Options, seed: int, samples: int, directions: bool) -> WalkCase:
-    scene = common.scene_from(options)
+OF_FILES = ("surface", *(name.replace("-", "_") for name in OF_FILE))
+"""Options of a surface that is given."""
+
+WITHOUT_FREE_PATHS: Options = {"free_path_theta": (), "free_path_height": (0.0,)}
+
+
+def _walks(
+    options: Options, seed: int, samples: int, directions: bool, slopes: Slopes | None = None
+) -> WalkCase:
+    scene = common.scene_from(options, slopes)
     common.check_memory(scene, {"heights": "gaussian"} | options)
     return WalkCase(
         scene,

@@ -11,6 +11,7 @@ from msbsdf_cli.smith.slopes import OF_SURFACE
 
 if TYPE_CHECKING:
     from msbsdf_cli.cli.report import Report
+    from msbsdf_cli.experiments.sweep.files import Source
 
 OF_RANDOM = (
     "alpha",
@@ -110,19 +111,24 @@ def read(options: dict[str, Any]) -> Any:
     """The field of the file. Raises click.BadParameter where it holds none."""
     from surfaces.field import HeightField
 
-    unit, length = (options[name] and options[name][0] for name in ("height_unit", "filter"))
     try:
-        field = HeightField.load(
-            options["surface"],
-            options["step"],
-            unit,
-            options["periodic"],
-            options["detrend"],
-            length,
-        )
+        field = HeightField.load(options["surface"], *how_read(options))
     except ValueError as error:
         raise click.BadParameter(f"{error}", param_hint="--surface") from None
     return field
+
+
+def how_read(options: dict[str, Any]) -> tuple[Any, ...]:
+    """What `HeightField.load` takes beside the file."""
+    unit, length = (options[name] and options[name][0] for name in ("height_unit", "filter"))
+    return options["step"], unit, options["periodic"], options["detrend"], length
+
+
+def source(options: dict[str, Any]) -> "Source":
+    """The file and how it is read, for others to read it."""
+    from msbsdf_cli.experiments.sweep.files import Source, digest_of
+
+    return Source(options["surface"], digest_of(options["surface"]), *how_read(options))
 
 
 def refuse_size(field: Any, threads: int) -> None:

@@ -9,16 +9,19 @@ import click
 
 from msbsdf_cli import __version__
 from msbsdf_cli.cli.measured import KINDS, Settings
+from msbsdf_cli.cli.options import OF_FILE
+from msbsdf_cli.cli.own_surface import OF_RANDOM
 from msbsdf_cli.cli.ranges import axis, given, in_file
+from msbsdf_cli.experiments.sweep.files import digest_of
 from msbsdf_cli.experiments.sweep.plan import Axis, Cases
 from msbsdf_cli.experiments.sweep.sweep import Sweep
+from msbsdf_cli.smith.slopes import OF_SURFACE
 
 NOT_SWEPT = (
     *("out", "force", "format", "quiet", "as_json", "threads"),
-    *("surface", "step", "height_unit", "periodic", "detrend", "filter", "wavelength"),
-    *("save_mesh", "convergence"),
+    *("save_mesh", "convergence", "wavelength"),
 )
-"""Options of the commands that belong to a report of their own, or to a surface that is given."""
+"""Options of the commands that belong to a report of their own."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,8 @@ class Study:
     texts: dict[str, list[str]]
     """What was typed for each option."""
     sweep: Sweep
+    files: tuple[str, ...]
+    """Surfaces that are given."""
 
     @property
     def slug(self) -> str:
@@ -42,6 +47,7 @@ class Study:
             "command": self.command,
             "options": {n: list(t) for n, t in sorted(self.texts.items()) if n != "seed"},
             "axes": {axis.name: axis.labels for axis in self.sweep.cases.axes},
+            "files": {path: digest_of(path) for path in self.files},
             "seeds": self.sweep.seeds,
             "shard": shard,
         }
@@ -82,23 +88,39 @@ def study(command: str, texts: dict[str, list[str]], seeds: tuple[int, ...] = ()
             for name, option in known.items()
             if (name in texts or name in VARY_BY_THEMSELVES) and not option.is_flag
         }
+        if "surface" in texts:
+            del axes["alpha"]
     options |= {name: a.values[0] for name, a in axes.items()}
     own = axes.pop("seed").values if "seed" in axes else (0,)
     del options["seed"]
-    _check(command, options, axes)
+    seeds = seeds or own
+    _check_surface(command, frozenset(texts), axes, seeds)
     cases = Cases(tuple(a for a in axes.values() if len(a.values) > 1))
-    settings = Settings(command, options, cases)
-    return Study(command, texts, Sweep(cases, seeds or own, KINDS[command], settings))
+    settings = Settings(command, options, cases, frozenset(texts))
+    files = axes["surface"].values if "surface" in axes else ()
+    return Study(command, texts, Sweep(cases, seeds, KINDS[command], settings), files)
 
 
-def _check(command: str, options: dict[str, Any], axes: dict[str, Axis]) -> None:
-    """Raise click.UsageError for what is not for sweeps."""
-    if "slopes" in axes and "surface" in axes["slopes"].values:
-        raise click.UsageError("--slopes surface is of one surface: it is not for sweeps.")
-    if command == "compare" and "heights_of" in axes:
-        raise click.UsageError("--heights-of beside compare: sweep `simulate` for it.")
-    if command == "compare" and options.pop("method") is not None:
-        raise click.UsageError("--method beside compare: sweep `evaluate` or `furnace` for it.")
+def _check_surface(
+    command: str, given: frozenset[str], axes: dict[str, Axis], seeds: tuple[int, ...]
+) -> None:
+    """Refuse options that belong to the other kind of surface. Raises click.UsageError."""
+    of_file = "surface" in given
+    for name in OF_RANDOM if of_file else OF_FILE:
+        if name.replace("-", "_") in given:
+            which = "beside --surface: a file has its own" if of_file else "without --surface"
+            raise click.UsageError(f"--{name} {which}.")
+    slopes = axes["slopes"].values if "slopes" in axes else ()
+    if command == "walk" and (slopes == (OF_SURFACE,)) != of_file:
+        raise click.UsageError("--slopes surface and --surface FILE go together.")
+    for name in ("method", "memory") if of_file else ():
+        if name in given:
+            raise click.UsageError(f"--{name} beside --surface: it is not for surfaces of files.")
+    if of_file and len(seeds) > 1:
+        raise click.UsageError(
+            "several seeds beside --surface: light on a given surface is of no other realisation "
+            "of it."
+        )
 
 
 VARY_BY_THEMSELVES = ("alpha", "theta")

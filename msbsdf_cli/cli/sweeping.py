@@ -16,6 +16,7 @@ from msbsdf_cli.cli.meshes import BYTES_PER_CELL
 from msbsdf_cli.cli.report import Report
 from msbsdf_cli.cli.study import study_of
 from msbsdf_cli.cli.sweep_table import TABLE, Rows
+from msbsdf_cli.experiments.sweep.files import FileCase
 from msbsdf_cli.experiments.sweep.states import State
 from msbsdf_cli.experiments.sweep.surfaces import SurfaceCase
 from msbsdf_cli.experiments.sweep.sweep import Sweep
@@ -156,10 +157,9 @@ def costed(sweep: Sweep, pieces: int, most: int) -> Iterator[tuple[Piece, float 
 def memory_of(piece: Piece) -> float:
     """Bytes that a process needs for it, about."""
     case = piece.cases[0]
-    if not isinstance(case, SurfaceCase):
+    if not isinstance(case, SurfaceCase | FileCase):
         return LIBRARIES
-    side = case.resolution.cells * case.resolution.extent
-    return LIBRARIES + BYTES_PER_CELL * side**2 * 1.4
+    return LIBRARIES + BYTES_PER_CELL * case.cells
 
 
 LIBRARIES = 2e8

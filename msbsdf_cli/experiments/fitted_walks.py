@@ -2,6 +2,7 @@
 slopes of one surface are no more than a sample, and its pieces tell of what."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import chain
 from typing import NamedTuple
 
@@ -38,6 +39,14 @@ class Split(NamedTuple):
     """Rays or walks for each incident angle."""
     walks: bool
     """Whether they are walks, each independent of all others."""
+
+
+def kinds(gamma: float | None) -> tuple[Kind, ...]:
+    """Distributions to fit, Student's t with its own `gamma` or one that is fitted too."""
+    if gamma is None:
+        return KINDS
+    tail = 1 / (gamma - 1)
+    return tuple(replace(k, tail=tail) if k.name == "student_t" else k for k in KINDS)
 
 
 LEAST = 4

@@ -71,11 +71,14 @@ def number_of_pieces(field: HeightField) -> tuple[int, bool]:
 def parts(field: HeightField, number: int, windows: bool) -> Iterator[Part]:
     """All pieces, one after the other."""
     for i in range(number):
-        yield (
-            Part(field.window(i, number), (0, 4))
-            if windows
-            else Part(field, field.piece(i, number))
-        )
+        yield piece_of(field, i, number, windows)
+
+
+def piece_of(field: HeightField, i: int, number: int, windows: bool) -> Part:
+    """Piece `i` of them."""
+    if windows:
+        return Part(field.window(i, number), (0, 4))
+    return Part(field, field.piece(i, number))
 
 
 def light_on(

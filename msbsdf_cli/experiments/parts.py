@@ -10,16 +10,16 @@ leave. Slopes of one surface are no more than a sample: what a part owes to that
 walks on the slopes of its pieces, and on what is fitted to these.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from msbsdf_cli.experiments.compare import Place, Row, distance, signed
-from msbsdf_cli.experiments.fitted_walks import Models, Split
+from msbsdf_cli.experiments.fitted_walks import Split
 from msbsdf_cli.results.lobes import order_names
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.smith.slopes import OF_SURFACE, Slopes
+from msbsdf_cli.smith.slopes import OF_SURFACE
 from msbsdf_cli.statistics.distances import Distance, Histogram, total_variation
 from msbsdf_cli.statistics.tally import SIDES
 from surfaces.facet import Array
@@ -33,9 +33,9 @@ class Parts:
     """What `parts` found."""
 
     rows: list[Row]
-    fitted: Slopes
-    """The distribution that is judged."""
-    least: tuple[Slopes, int | None] | None
+    fitted: str
+    """Name of the distribution that is judged."""
+    least: tuple[str, int | None] | None
     """The least model that is within the part of correlated heights, and its bounces, None for all
     of them; None where there is no such model."""
 
@@ -44,10 +44,9 @@ class Parts:
         return max((r for r in self.rows if r.quantity == quantity), key=lambda r: r.own)
 
 
-def parts(
-    scene: Scene, surface: Split, walks: dict[str, Split], models: Models, name: str
-) -> Parts:
-    """The three parts for the distribution `name`, one of `models`.
+def parts(scene: Scene, surface: Split, walks: dict[str, Split], name: str) -> Parts:
+    """The three parts for the fitted distribution `name`; `walks` are those on each and on the
+    surface's own slopes.
 
     Rows `whole` hold all its bounces against the surface, and rows `model` each fitted
     distribution, followed for so many bounces, against all bounces on the surface's own slopes.
@@ -66,15 +65,15 @@ def parts(
             sums = [_energy(truth, i, slice(None)), _energy(model, i, slice(bounces))]
             rows.append(distance(quantity, place, sums, found, label))
             rows += _energies(f"{quantity}_energy", scene, model, truth, i, bounces, label)
-        for label, bounces in _models(models, every):
+        for label, bounces in _models(walks, every):
             found = _between(walks[label], own, i, bounces)
             sums = [_energy(own, i, slice(None)), _energy(walks[label], i, slice(bounces))]
             at = theta, scene.phi, _words(bounces, every), "all"
             rows.append(distance("model", at, sums, found, label))
-    return Parts(rows, models[name][0], _least(rows, models, every))
+    return Parts(rows, name, _least(rows, walks, every))
 
 
-def _models(models: Models, every: int) -> list[tuple[str, int]]:
+def _models(models: Iterable[str], every: int) -> list[tuple[str, int]]:
     """Names and bounces of models, the least first: those that cost less time, and of these those
     of fewer parameters."""
     return [(n, b) for b in range(1, every + 1) for n in models if n != OF_SURFACE]
@@ -84,7 +83,7 @@ def _words(bounces: int, every: int) -> str:
     return "all" if bounces == every else str(bounces)
 
 
-def _least(rows: list[Row], models: Models, every: int) -> tuple[Slopes, int | None] | None:
+def _least(rows: list[Row], models: Iterable[str], every: int) -> tuple[str, int | None] | None:
     """The first model that leaves out, at every angle, no more than correlated heights cost, as
     far as two standard errors tell."""
     floor = [row for row in rows if row.quantity == PARTS[1]]
@@ -96,7 +95,7 @@ def _least(rows: list[Row], models: Models, every: int) -> tuple[Slopes, int | N
             for row, least in zip(mine, floor, strict=True)
         ]
         if max(beyond) <= 0:
-            return models[name][0], None if bounces == every else bounces
+            return name, None if bounces == every else bounces
     return None
 
 

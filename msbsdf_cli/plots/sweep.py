@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from msbsdf_cli.cli.terminal import measured
+from msbsdf_cli.experiments.parts import PARTS
 from msbsdf_cli.plots.style import COLOURS, DASHES, order_colour, panels, save
 from surfaces.facet import Array
 
@@ -51,7 +52,7 @@ DRAWN = {
         "own_stderr",
         "modelled minus simulated, or distance, beyond noise",
         ("quantity", "order", "side"),
-        {"quantity": ("energy", "total_variation")},
+        {"quantity": ("energy", "total_variation", *PARTS, "whole")},
         signed=True,
         worst="largest difference or distance beyond noise",
     ),
@@ -184,7 +185,8 @@ def _series(row: Row, drawn: Drawn) -> str:
     words = [row[name] for name in drawn.series]
     # Of energies and distances, the energies are many.
     words = ["" if word == "energy" else word.replace("_", " ") for word in words]
-    return " ".join(word for word in words if word)
+    # Parts of a difference are of all light.
+    return " ".join(word for word in words if word).removesuffix(" all all")
 
 
 def _numbers(name: str, labels: list[str]) -> list[float]:

@@ -11,12 +11,22 @@ import numpy as np
 import pytest
 from command_line import RUN, msbsdf, refused, table
 
+from msbsdf_cli import HeightField
 from msbsdf_cli.plots.sweep import draw_sweep, read_grid
 from msbsdf_cli.results import npz
 from msbsdf_cli.results.place import locked
 
 WALK = ("sweep", "walk", "--alpha", "0.3:0.9:3", "--theta", "0,60deg", "--samples", "2000")
+SCAN = "a file of heights"
 SURFACES = ("--cells", "4", "--extent", "6", "--realisations", "6", "--samples", "600")
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory):
+    """A file of heights, by which `SCAN` is replaced in words."""
+    path = tmp_path_factory.mktemp("scan") / "scan.npy"
+    np.save(path, HeightField.random(0.6, extent=6, cells=6).heights)
+    return lambda words: [path if word == SCAN else word for word in words]
 
 
 def content(directory):
@@ -49,12 +59,15 @@ def test_the_table_is_long_and_has_every_option_that_varies(tmp_path):
         WALK[1:],
         ("simulate", *SURFACES, "--alpha", "0.5", "--alpha", "1,0.5", "--theta", "0,1"),
         ("compare", *SURFACES, "--alpha", "0.5", "--alpha", "1", "--theta", "0,1"),
+        ("compare", *SURFACES, "--theta", "0,1", "--method", "solve,walk"),
+        ("simulate", "--surface", SCAN, "--step", "0.3,0.5", "--theta", "0,1", "--samples", "160"),
         ("evaluate", "--method", "walk,single", "--theta", "0,1", "--samples", "200"),
         ("furnace", "--method", "walk,single", "--theta", "0,1", "--samples", "32"),
     ],
-    ids=lambda words: words[0],
+    ids=["walk", "simulate", "compare", "methods", "file", "evaluate", "furnace"],
 )
-def test_the_same_bytes_from_one_process_two_and_shares(words, tmp_path):
+def test_the_same_bytes_from_one_process_two_and_shares(words, scan, tmp_path):
+    words = scan(words)
     runs = {"one": ("--threads", "1"), "two": ("--threads", "2")}
     runs |= {f"share-{k}": ("--shard", f"{k}/3") for k in (1, 2, 3)}
     for name, how in runs.items():
@@ -106,17 +119,43 @@ def test_a_file_says_the_same_as_the_command_line(tmp_path):
         (["walk", "--theta", "5deg:1:3"], "belongs behind the second number too"),
         (["walk", "--theta", "0,0"], "is named twice"),
         (["walk", "--material", "conductor,wood"], "'wood'"),
-        (["walk", "--slopes", "surface"], "not for sweeps"),
-        (["simulate", "--surface", "a.npy"], "no such option"),
-        (["compare", "--method", "exact"], "sweep `evaluate`"),
+        (["walk", "--slopes", "surface"], "go together"),
+        (["walk", "--slopes", "surface,ggx", "--surface", SCAN], "go together"),
+        (["simulate", "--surface", "missing.npy"], "does not exist"),
+        (["simulate", "--surface", SCAN], "how far its points are apart"),
+        (["simulate", "--surface", SCAN, "--alpha", "0.5"], "a file has its own"),
+        (["simulate", "--surface", SCAN, "--seed", "0,1"], "no other realisation"),
+        (["simulate", "--filter", "1,2"], "--filter without --surface"),
+        (["compare", "--surface", SCAN, "--method", "exact"], "not for surfaces of files"),
+        (["compare", "--slopes", "ggx"], "random surfaces are beckmann"),
+        (["compare", "--heights-of", "ridges", "--memory", "1"], "for Gaussian surfaces"),
+        (["compare", "--method", "exact", "--memory", "1"], "the method walk-memory"),
         (["walk", "--shard", "3/2"], "K from 1 to N"),
         (["evaluate", "--method", "exact", "--material", "dielectric"], "exact"),
         (["missing.toml"], "cannot be read as TOML"),
     ],
 )
-def test_what_is_no_sweep_is_refused_in_a_sentence(words, part, tmp_path):
-    assert part in refused("sweep", *words, "--out", tmp_path / "a")
+def test_what_is_no_sweep_is_refused_in_a_sentence(words, part, scan, tmp_path):
+    assert part in refused("sweep", *scan(words), "--out", tmp_path / "a")
     assert not (tmp_path / "a").exists()
+
+
+def test_a_surface_that_has_changed_is_another_sweep(tmp_path):
+    path = tmp_path / "scan.npy"
+    words = ("simulate", "--surface", path, "--step", "0.3", "--samples", "160")
+    np.save(path, HeightField.random(0.6, extent=6, cells=6).heights)
+    assert msbsdf("sweep", *words, "--out", tmp_path / "a").returncode == 0
+    np.save(path, HeightField.random(0.6, 1, extent=6, cells=6).heights)
+    assert "is of another sweep" in refused("sweep", *words, "--out", tmp_path / "a")
+
+
+def test_comparisons_in_parts_stand_beside_others(tmp_path):
+    few = ("--cells", "4", "--extent", "12", "--realisations", "16", "--samples", "800")
+    words = (*few, "--heights-of", "gaussian,ridges:1", "--alpha", "0.5", "--out", tmp_path / "a")
+    assert msbsdf("sweep", "compare", *words).returncode == 0
+    found = {(row["heights_of"], row["quantity"]) for row in table(tmp_path / "a" / "sweep.csv")}
+    assert {("gaussian", "total_variation"), ("ridges:1", "part_correlation")} <= found
+    assert ("gaussian", "part_correlation") not in found
 
 
 def test_cases_that_fail_are_rows_with_the_reason(tmp_path):

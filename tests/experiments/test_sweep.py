@@ -1,13 +1,22 @@
 """A sweep's pieces add up to what one long run gives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from msbsdf_cli import HeightField
 from msbsdf_cli.experiments import furnace, realisations, walks
 from msbsdf_cli.experiments.evaluate import evaluate
+from msbsdf_cli.experiments.fitted_walks import models_of, walks_on
+from msbsdf_cli.experiments.method_lobes import method_lobes
+from msbsdf_cli.experiments.own_surface import simulate_surface
 from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.slices import slice_directions
 from msbsdf_cli.experiments.sweep.albedos import AlbedoCase
+from msbsdf_cli.experiments.sweep.files import FileCase, Source, digest_of, own_slopes
+from msbsdf_cli.experiments.sweep.fitted import FittedCase, RandomFacets
+from msbsdf_cli.experiments.sweep.methods import MethodCase
 from msbsdf_cli.experiments.sweep.plan import Axis, Cases
 from msbsdf_cli.experiments.sweep.states import total
 from msbsdf_cli.experiments.sweep.surfaces import SurfaceCase
@@ -61,6 +70,56 @@ def test_parts_of_surfaces_add_up_to_one_simulation():
     close(found.free_paths.estimate().value, whole.free_paths.estimate().value)
     close(found.free_paths.estimate().stderr, whole.free_paths.estimate().stderr)
     np.testing.assert_allclose(found.lobe_groups, whole.lobe_groups, rtol=1e-6)
+
+
+def test_parts_of_a_file_add_up_to_one_simulation(tmp_path):
+    field, path = HeightField.random(0.6, extent=6, cells=6), tmp_path / "scan.npy"
+    np.save(path, field.heights)
+    source = Source(str(path), digest_of(str(path)), field.step, None, True, 1, None)
+    scene = Scene(Conductor(), own_slopes(source), (1.0,))
+    case = FileCase.of(scene, source, 800, 5, 1000, directions=True)
+    none = FreePaths((), (), np.array([-np.inf, np.inf]))
+    whole = simulate_surface(scene, source.field(), 800, none, 5, 1, 1000, quiet=True)
+    found = case.run(measured(case))
+    same_estimates(found.tallies[0], whole.tallies[0])
+    np.testing.assert_allclose(found.lobe_groups, whole.lobe_groups, rtol=1e-6)
+    np.save(path, field.heights + 1)
+    with pytest.raises(ValueError, match="not the file with which"):
+        replace(source, detrend=2).field()
+
+
+def test_fitted_walks_are_those_of_a_comparison_in_parts_and_seeds_add_up():
+    ridges = replace(COARSE, cells=6, realisations=16, heights_of="ridges:1")
+    scene = Scene(Conductor(), Beckmann(0.5, 0.5), (1.0,))
+    states, wholes = [], []
+    for seed in (1, 2):
+        facets = RandomFacets(ridges, seed)
+        case = FittedCase(scene, facets, "ggx", None, 1600, seed, "float64", 1000)
+        states.append(measured(case))
+        models = models_of(facets.slopes(scene))
+        wholes.append(walks_on(scene, models, 1600, seed, 1, "float64", 1000, True))
+    walks, judged = case.walks(total(states))
+    assert judged == "ggx"
+    for name, split in walks.items():
+        one, other = (whole[name] for whole in wholes)
+        close(split.value, (one.value + other.value) / 2)
+        close(split.pieces, (one.pieces + other.pieces) / 2)
+        close(split.stderr, np.hypot(one.stderr, other.stderr) / 2)
+        assert split.paths == 3200
+
+
+def test_lobes_of_methods_have_less_noise_from_more_seeds_and_solutions_the_same_error():
+    scene = Scene(Conductor(), Beckmann(0.7, 0.7), (1.0,))
+    names = "walk", "solve"
+    cases = [MethodCase(scene, names, 40_000, seed, "float64") for seed in (1, 2)]
+    found = cases[0].lobes(total(map(measured, cases)))
+    for name, both in zip(names, found, strict=True):
+        one, other = (
+            method_lobes(scene, (name,), 40_000, s, 1, "float64", True)[0] for s in (1, 2)
+        )
+        close(both.energy.value, (one.energy.value + other.energy.value) / 2)
+        expected = np.hypot(one.bins.stderr, other.bins.stderr) / 2
+        close(both.bins.stderr, one.bins.stderr if name == "solve" else expected)
 
 
 def test_energies_alone_are_those_of_the_whole():

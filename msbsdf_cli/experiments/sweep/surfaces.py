@@ -33,7 +33,7 @@ from surfaces.marginal import Marginal, marginal
 PART = 4
 """Realisations of a part."""
 
-OF_MODELS = ("memory", "precision")
+OF_MODELS = ("memory", "precision", "method")
 """Options of what is held against surfaces: cases that differ in them alone share all light."""
 
 RAYS_PER_S, TRIANGLES_PER_S = 1e6, 1e6
@@ -65,6 +65,11 @@ class SurfaceCase:
     @property
     def parts(self) -> int:
         return -(-self.resolution.realisations // PART)
+
+    @property
+    def cells(self) -> int:
+        """Of the meshes that are kept at a time."""
+        return round(1.4 * (self.resolution.cells * self.resolution.extent) ** 2)
 
     @staticmethod
     def seconds(cases: list["SurfaceCase"]) -> float:

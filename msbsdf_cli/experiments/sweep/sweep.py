@@ -46,7 +46,8 @@ class Sweep:
     def _of_group(self, settings: dict[int, Setting], seed: int, first: int) -> Iterator[Piece]:
         good = {c: s.cases for c, s in settings.items() if not isinstance(s, Failure)}
         for kind in self.kinds:
-            for together in self._shared(list(good), kind):
+            of_kind = [case for case, kinds in good.items() if kind.kind in kinds]
+            for together in self._shared(of_kind, kind):
                 cases = tuple(good[case][kind.kind] for case in together)
                 for part in range(cases[0].parts):
                     yield Piece(first, tuple(together), cases, part, seed)
@@ -86,14 +87,14 @@ class Sweep:
         if isinstance(setting, Failure):
             return setting
         states: dict[str, State] = {}
-        for kind in self.kinds:
-            each: list[Any] = [one.get(kind.kind) for one in found]
+        for kind in setting.cases:
+            each: list[Any] = [one.get(kind) for one in found]
             if None in each:
                 return None
             failed = [state for state in each if isinstance(state, Failure)]
             if failed:
                 return failed[0]
-            states[kind.kind] = total(each)
+            states[kind] = total(each)
         return setting.table(states)
 
 

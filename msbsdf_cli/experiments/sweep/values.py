@@ -56,7 +56,7 @@ class ValueCase:
         how = self.seed, self.precision, self.directions.wo, self.bidirectional
         jobs = (EvaluationJob(scene, method, (0,), i, n, *how) for i, n in enumerate(sizes))
         sums = total(_sums(found) for job in jobs for found in run_job(job))
-        return {name: _in_place(array, part, self.parts) for name, array in sums.items()}
+        return {name: in_place(array, part, self.parts) for name, array in sums.items()}
 
     def table(self, state: State) -> Table:
         """slice.csv of the case."""
@@ -67,7 +67,8 @@ class ValueCase:
         return slice_table(self.scene, self.directions, values)
 
 
-def _in_place(array: np.ndarray, place: int, of: int) -> np.ndarray:
+def in_place(array: np.ndarray, place: int, of: int) -> np.ndarray:
+    """An array in its place among `of` of them, whose others are 0."""
     found = np.zeros((of, *np.shape(array)))
     found[place] = array
     return found

@@ -19,6 +19,7 @@ from msbsdf_cli.experiments.walks import add_free_paths
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.free_paths import FreePaths
+from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.run import Run
 from msbsdf_cli.results.tables import energy
 from msbsdf_cli.scene import Scene
@@ -95,6 +96,10 @@ class WalkCase:
         remembers = int(self.memory is not None)
         return Run("walk", self.scene, [tally], paths, self.heights, memory=remembers)
 
+    def lobes(self, state: State) -> list[Lobes]:
+        """The light that left."""
+        return [self.run(state).lobes()]
+
     def table(self, state: State) -> Table:
         """energy.csv of the case."""
-        return energy(self.run(state).lobes())
+        return energy(self.lobes(state)[0])
