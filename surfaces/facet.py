@@ -22,10 +22,13 @@ def unit_circle(n: int, rng: np.random.Generator, dtype: type = np.float64) -> t
     """Cosine and sine of a uniform angle.
 
     The angle is one of 2^24, in single precision, in which NumPy has fast trigonometric functions;
-    two terms of a series make cos^2 + sin^2 = 1 to the rounding of `dtype`.
+    for others, two terms of a series make cos^2 + sin^2 = 1 to the rounding of `dtype`.
     """
     angle = (rng.random(n, dtype=np.float32) - np.float32(0.5)) * np.float32(2 * np.pi)
-    cos, sin = np.cos(angle).astype(dtype), np.sin(angle).astype(dtype)
+    cos, sin = np.cos(angle), np.sin(angle)
+    if dtype == np.float32:
+        return cos, sin
+    cos, sin = cos.astype(dtype), sin.astype(dtype)
     excess = cos * cos + sin * sin - dtype(1)
     scale = 1 - excess * (dtype(0.5) - dtype(0.375) * excess)
     return cos * scale, sin * scale

@@ -9,6 +9,7 @@ Inside a dielectric the walk sees the surface upside down. Lanes inside are kept
 lines serve both sides.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -91,7 +92,7 @@ def free_path(t: Array, d: Array, sigma: Array, E: Array) -> tuple[Array, Array]
 def flip(t: Array) -> Array:
     """C1 -> 1 - C1 in t, with all digits at both ends."""
     flat, flipped = t.ravel(), np.empty(t.size, t.dtype)
-    near = flat < np.log(2)
+    near = flat < math.log(2)
     top, bottom = np.flatnonzero(near), np.flatnonzero(~near)
     with np.errstate(divide="ignore"):
         flipped[top] = -np.log(-np.expm1(-flat.take(top)))

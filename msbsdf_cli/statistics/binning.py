@@ -24,13 +24,17 @@ class Bins:
         starts = low + (high - low) / cells * np.arange(cells + 1)
         first = np.searchsorted(edges, starts, side="right")
         self._low, self._per_unit = low, cells / (high - low)
-        self._edge = np.append(edges, np.inf)[first]
+        edge = np.append(edges, np.inf)[first]
+        # In single precision the least number that is not below the edge, which bins alike.
+        single = edge.astype(np.float32)
+        single = np.where(single < edge, np.nextafter(single, np.float32(np.inf)), single)
+        self._edges = {edge.dtype: edge, single.dtype: single}
         self._names = names[np.minimum(first[:, None] + [0, 1], edges.size)].ravel()
 
     def __call__(self, x: Array) -> Array:
         """Numbers (n,) of the bins of `x` (n,); that of an edge is the bin which starts there."""
         cell = ((x - self._low) * self._per_unit).astype(np.intp)
-        beyond = x >= self._edge.take(cell)
+        beyond = x >= self._edges[x.dtype].take(cell)
         found: Array = self._names.take(2 * cell + beyond)
         return found
 

@@ -171,9 +171,9 @@ def combination(*parts: tuple[float, Tally]) -> Tally:
 
 
 def _powers(w: Array) -> Array:
-    """Components of directions (3, n), their squares, and the squares of these, (9, n), in double
-    precision: moments are sums of the first six, and their squares of the last six."""
-    rows = np.empty((9, w.shape[1]))
+    """Components of directions (3, n), their squares, and the squares of these, (9, n): moments are
+    sums of the first six, and their squares of the last six."""
+    rows = np.empty((9, w.shape[1]), w.dtype)
     rows[:3] = w
     np.multiply(rows[:3], rows[:3], out=rows[3:6])
     np.multiply(rows[3:6], rows[3:6], out=rows[6:])
@@ -188,7 +188,7 @@ def _sums(rows: Array, share: Array | None, below: Array | None) -> tuple[Array,
         sides[0] = rows.shape[1] if share is None else share.sum()
         sums[0] = rows.sum(axis=1) if share is None else rows @ share
         return sides, sums
-    shares = np.empty((2, rows.shape[1]))
+    shares = np.empty((2, rows.shape[1]), rows.dtype)
     shares[1] = below if share is None else below * share
     np.subtract(1 if share is None else share, shares[1], out=shares[0])
     return shares.sum(axis=1), shares @ rows.T

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, lobe_bin
+from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, Bins, lobe_axes, lobe_bin
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -19,6 +19,14 @@ def test_bins_are_those_of_the_angles(rng, dtype):
     wanted = np.floor(theta) * PHI_BINS + np.floor(phi) % PHI_BINS
     assert clear.mean() > 0.99
     np.testing.assert_array_equal(lobe_bin(w)[clear], wanted[clear])
+
+
+def test_bins_in_single_precision_are_those_in_double(rng):
+    edges = np.sort(rng.random(20))
+    bins = Bins(edges, 0.0, 1.0, np.arange(21))
+    around = [np.nextafter(edges.astype(np.float32), np.float32(end)) for end in (0, 1)]
+    x = np.concatenate([*around, edges.astype(np.float32), rng.random(10_000, dtype=np.float32)])
+    np.testing.assert_array_equal(bins(x), np.searchsorted(edges, x.astype(float), side="right"))
 
 
 def test_the_middle_of_each_bin_lies_in_it():
