@@ -13,6 +13,10 @@ circles pass the horizon, and along each of them. The integrand is smooth there;
 error of a few 1e-6 of the largest value, and 1e-4 at roughness 30."""
 
 
+BLOCK = 16
+"""Directions taken together: their nodes stay in the cache."""
+
+
 def lambertian_density(normals: Normals, d: Array, w: Array) -> Array:
     """1/pi of the integral of <-d, m> <w, m> D(m) dm ([HHdD16] Eq. 36, times sigma).
 
@@ -21,6 +25,15 @@ def lambertian_density(normals: Normals, d: Array, w: Array) -> Array:
     roughness 1, and dm is dm' times alpha_x alpha_y / |A m'|^3. Half circles from pole to pole, at
     angles eta, are cut by the horizon at chi = `cut`; along them both cosines go with sin(chi).
     """
+    found = np.empty(max(d.shape[1], w.shape[1]), np.result_type(d, w))
+    for start in range(0, found.size, BLOCK):
+        block = slice(start, start + BLOCK)
+        ends = (a if a.shape[1] == 1 else a[:, block] for a in (d, w))
+        found[block] = _density(normals, *ends)
+    return found
+
+
+def _density(normals: Normals, d: Array, w: Array) -> Array:
     stretch = np.array([normals.alpha_x, normals.alpha_y, 1.0])[:, None]
     a, b = -d * stretch, w * stretch
     axis, e1, e2 = _lune_frame(a, b)
