@@ -8,12 +8,13 @@ import json
 import math
 from base64 import b64encode
 from dataclasses import dataclass
+from functools import cache
 from io import BytesIO
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, select_autoescape
+from jinja2 import Environment, PackageLoader, Template, select_autoescape
 
 from msbsdf_cli.pages.captions import CAPTIONS
 from msbsdf_cli.pages.citations import papers
@@ -55,10 +56,8 @@ class TableOfPage:
 def write_page(directory: Path) -> None:
     """Write the page of a report that is otherwise complete."""
     record = json.loads((directory / RUN).read_text(encoding="utf-8"))
-    loader = PackageLoader("msbsdf_cli.pages", "")
-    environment = Environment(loader=loader, autoescape=select_autoescape(), trim_blocks=True)
     pictures, slides = _pictures(directory)
-    content = environment.get_template("report.html").render(
+    content = _template().render(
         command=record["command"],
         summary=_sentences(record.get("summary")),
         record=record,
@@ -72,6 +71,14 @@ def write_page(directory: Path) -> None:
         papers=papers(record["command"], record["options"]),
     )
     (directory / PAGE).write_text(content, encoding="utf-8")
+
+
+@cache
+def _template() -> Template:
+    """The page, compiled once for all the reports of a sweep or a gallery."""
+    loader = PackageLoader("msbsdf_cli.pages", "")
+    environment = Environment(loader=loader, autoescape=select_autoescape(), trim_blocks=True)
+    return environment.get_template("report.html")
 
 
 def _sentences(summary: Any) -> list[str]:

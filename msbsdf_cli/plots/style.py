@@ -81,8 +81,9 @@ def save(figure: Any, path: Path) -> None:
     """Write a PNG, or what is wanted instead, and free the figure; beside a PDF, which no page can
     show, a PNG too. Dense maps are bitmaps in every format."""
     wanted = os.environ.get(FORMAT, "png")
-    for mesh in figure.findobj(QuadMesh):
-        mesh.set_rasterized(wanted != "png")
+    # A PNG is a bitmap anyway, and to seek maps makes every tick of every axis.
+    for mesh in figure.findobj(QuadMesh) if wanted != "png" else ():
+        mesh.set_rasterized(True)
     for suffix in {"pdf": ("pdf", "png")}.get(wanted, (wanted,)):
         place = path.with_suffix(f".{suffix}")
         figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white")

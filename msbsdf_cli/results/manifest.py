@@ -5,6 +5,7 @@ import shlex
 import subprocess
 import sys
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -29,12 +30,11 @@ def manifest(
     warnings: list[str],
 ) -> dict[str, Any]:
     """The content of run.json that all commands share."""
-    versions = {"msbsdf": __version__, "python": platform.python_version()}
     return {
         "command": command,
         "options": options,
         "seed": options.get("seed"),
-        "versions": versions | {name: version(name) for name in PACKAGES},
+        "versions": versions(),
         "commit": commit(),
         "processor": processor(),
         "command_line": shlex.join(["msbsdf", *sys.argv[1:]]),
@@ -46,9 +46,17 @@ def manifest(
     }
 
 
+@cache
+def versions() -> dict[str, str]:
+    """Of this program, of Python, and of the packages that numbers depend on."""
+    ours = {"msbsdf": __version__, "python": platform.python_version()}
+    return ours | {name: version(name) for name in PACKAGES}
+
+
+@cache
 def commit() -> str | None:
     """The commit that this program is at, where it is a checkout; with a `+` where it was changed
-    since."""
+    since. Asked once: what runs is what was there when it was started."""
     root = Path(__file__).parents[2]
     if not (root / ".git").exists():
         return None
