@@ -1,6 +1,7 @@
 """`msbsdf evaluate`"""
 
 from dataclasses import fields
+from functools import partial
 from typing import Any
 
 import click
@@ -28,6 +29,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.experiments.slices import slice_directions, slice_table
     from msbsdf_cli.plots.slices import draw_slices
     from msbsdf_cli.results.files import Table, columns
+    from msbsdf_cli.run.executors import do_all
 
     scene = common.scene_from(options)
     options["method"] = methods = common.methods_for(scene, options["method"])
@@ -56,7 +58,7 @@ def command(**options: Any) -> None:
         went = [how_it_went(v) for v in values]
         more = {"summary": in_one_sentence(values, errors), "methods": went}
         report.write(draft, tables, walks, more=more)
-        draw_slices(table, draft / "slice.png")
+        do_all([partial(draw_slices, table, draft / "slice.png")], options["threads"])
     report.end(lambda: show_errors(errors) if errors else show(values))
 
 

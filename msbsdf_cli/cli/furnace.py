@@ -1,5 +1,6 @@
 """`msbsdf furnace`"""
 
+from functools import partial
 from typing import Any
 
 import click
@@ -37,6 +38,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.methods.solve import Solve
     from msbsdf_cli.plots.furnace import draw_furnace
     from msbsdf_cli.plots.white_sphere import draw_spheres
+    from msbsdf_cli.run.executors import do_all
 
     alphas, accuracy = options["alpha"], options["accuracy"]
     scene = common.scene_from(options | {"alpha": alphas[0]})
@@ -66,9 +68,10 @@ def command(**options: Any) -> None:
         walks = options["samples"] * len(results) * len(scene.theta)
         more = {"summary": in_one_sentence(scene, results)}
         report.write(draft, {"furnace.csv": table}, walks, more=more)
-        draw_furnace(table, draft / "furnace.png")
+        pictures = [partial(draw_furnace, table, draft / "furnace.png")]
         if spheres:
-            draw_spheres(spheres, draft / "sphere.png")
+            pictures.append(partial(draw_spheres, spheres, draft / "sphere.png"))
+        do_all(pictures, options["threads"])
     report.end(lambda: show(scene, results))
 
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -61,6 +62,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.experiments.recommend.rendered import picture_errors, scene_of
     from msbsdf_cli.experiments.recommend.scene_file import SceneFileError, read_scene
     from msbsdf_cli.plots.recommendation import draw_recommendations
+    from msbsdf_cli.run.executors import do_all
 
     rendered = options["scene"] in SCENES
     if not (rendered or Path(options["scene"]).exists()):
@@ -93,7 +95,8 @@ def command(**options: Any) -> None:
             sentences.append(picture_sentence(pictures))
             tables["picture.csv"] = columns(pictures, ("surface", "method", "error", "error_bound"))
         report.write(draft, tables, 0, more={"summary": sentences})
-        draw_recommendations(found, wanted, options["against"], draft / "recommendation.png")
+        drawn = found, wanted, options["against"], draft / "recommendation.png"
+        do_all([partial(draw_recommendations, *drawn)], options["threads"])
     report.end()
 
 

@@ -1,5 +1,6 @@
 """`msbsdf render`"""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +70,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.render.picture import Settings, render, table_of
     from msbsdf_cli.plots.render import draw_pictures
+    from msbsdf_cli.run.executors import do_all
 
     if options["claims"]:
         write_claims(options)
@@ -97,7 +99,8 @@ def command(**options: Any) -> None:
         more = {"exposure": stage.exposure, "summary": in_one_sentence(table, options)}
         report.write(draft, {"render.csv": table}, paths, more=more)
         save_arrays(pictures, draft, options["exr"])
-        draw_pictures(pictures, stage.exposure, draft / "render.png")
+        drawn = pictures, stage.exposure, draft / "render.png"
+        do_all([partial(draw_pictures, *drawn)], options["threads"])
     report.end(lambda: show(table))
 
 

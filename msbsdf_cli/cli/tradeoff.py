@@ -1,6 +1,7 @@
 """`msbsdf tradeoff`"""
 
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any
 
 import click
@@ -64,6 +65,7 @@ def command(**options: Any) -> None:
     from msbsdf_cli.experiments.tradeoff.study import study
     from msbsdf_cli.plots.scaling import draw_scaling
     from msbsdf_cli.plots.tradeoff import draw_tradeoff
+    from msbsdf_cli.run.executors import do_all
 
     scene = common.scene_from(options)
     traceable = options["surfaces"] and scene.slopes.name == "beckmann"
@@ -88,10 +90,12 @@ def command(**options: Any) -> None:
         report.warn(result.warnings)
         walks = options["replicates"] * sum(r.samples for r in result.rows)
         report.write(draft, tables(result), walks, more=in_words(result))
-        draw_tradeoff(result.rows, result.floors, draft / "tradeoff.png")
+        place, of_energies = draft / "energies.png", "energies of orders"
+        pictures = [partial(draw_tradeoff, result.rows, result.floors, draft / "tradeoff.png")]
         if result.energies:
-            draw_tradeoff(result.energies, [], draft / "energies.png", "energies of orders")
-        draw_scaling(result.scaling, draft / "scaling.png")
+            pictures.append(partial(draw_tradeoff, result.energies, [], place, of_energies))
+        pictures.append(partial(draw_scaling, result.scaling, draft / "scaling.png"))
+        do_all(pictures, options["threads"])
     report.end(lambda: show(result.rows))
 
 

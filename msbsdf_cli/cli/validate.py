@@ -1,6 +1,7 @@
 """`msbsdf validate`"""
 
 import sys
+from functools import partial
 from typing import Any
 
 import click
@@ -32,6 +33,7 @@ def command(**options: Any) -> None:
     """
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.plots.identities import draw_identities, draw_reciprocity
+    from msbsdf_cli.run.executors import do_all
     from msbsdf_cli.statistics.multiple_testing import FAMILY_ERROR, judge
     from msbsdf_cli.validation.suite import measure
     from msbsdf_cli.validation.table import counts, differences, identities, summary
@@ -51,8 +53,11 @@ def command(**options: Any) -> None:
         }
         tables = {"identities.csv": identities(rows), "reciprocity.csv": differences(rows)}
         report.write(draft, tables, suite.samples, None, suite.wall_s, more)
-        draw_identities(rows, draft / "identities.png")
-        draw_reciprocity(rows, draft / "reciprocity.png")
+        pictures = [
+            partial(draw_identities, rows, draft / "identities.png"),
+            partial(draw_reciprocity, rows, draft / "reciprocity.png"),
+        ]
+        do_all(pictures, options["threads"])
     report.end(lambda: show(rows))
     if any(row.failed for row in rows):
         sys.exit(3)

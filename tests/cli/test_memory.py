@@ -31,6 +31,7 @@ def test_a_walk_that_remembers_makes_a_report_like_any_other(tmp_path):
 def test_the_walk_compared_remembers_the_surface_that_was_traced(tmp_path):
     traced = tmp_path / "traced"
     words = [*SMALL, *COARSE, "--autocorrelation", "exponential", "--out", traced]
+    words += ["--free-path-theta", "1", "--free-path-height", "0"]
     assert msbsdf("simulate", *words).returncode == 0
     words = [traced, "--memory", "1", "--samples", "4000", "--quiet", "--threads", "1"]
     result = msbsdf("compare", *words, "--out", tmp_path / "c")

@@ -181,7 +181,7 @@ def test_a_loose_tolerance_still_keeps_colours():
 @pytest.mark.parametrize(
     "material", [Conductor(), GOLD, Diffuse((0.5,)), Dielectric(1.5), Schlick(f0=(0.9, 0.5, 0.0))]
 )
-@pytest.mark.parametrize("alpha", [0.05, 0.8])
+@pytest.mark.parametrize("alpha", [0.1, 0.8])
 def test_the_bound_of_single_scattering_is_one(material, alpha):
     it = surface(material, (ms.Ggx(alpha, alpha),), (0.0, 0.7, 1.4))
     bound, error = single_bound(it, 0.01), truncated(cases(it), 0.01)[0]
@@ -220,7 +220,7 @@ def test_compensation_is_judged_by_its_lobe():
         rng = np.random.default_rng(0)
         return METHODS[name](slopes, Conductor(), 1).evaluate(wi, wo, walks, rng).value[0, 1]
 
-    truth, it = lobe("walk-low-variance", 50_000), surface(slopes=(slopes,), theta=(0.0,))
+    truth, it = lobe("walk-low-variance", 10_000), surface(slopes=(slopes,), theta=(0.0,))
     found = compensated(cases(it), 0, 0)
     assert [c.method for c in found] == ["turquin", "energy-compensated"]
     for mine in found:

@@ -101,11 +101,16 @@ def by_rejection(slopes, wi, rng):
     lanes = np.arange(wi.shape[1])
     bound = np.hypot(1, 7 * max(slopes.alpha_x, slopes.alpha_y) / np.sqrt(2))
     while lanes.size:
-        x, y = rng.standard_normal((2, lanes.size)) / np.sqrt(2)
-        m = np.stack([-slopes.alpha_x * x, -slopes.alpha_y * y, np.ones_like(x)])
-        accepted = rng.random(lanes.size) * bound < (wi[:, lanes] * m).sum(axis=0)
-        out[:, lanes[accepted]] = (m / np.sqrt((m * m).sum(axis=0)))[:, accepted]
-        lanes = lanes[~accepted]
+        # Of the few lanes that are left, each tries many slopes at once, and the first one counts.
+        tries = max(4096 // lanes.size, 1)
+        x, y = rng.standard_normal((2, tries, lanes.size)) / np.sqrt(2)
+        seen = wi[2, lanes] - slopes.alpha_x * x * wi[0, lanes] - slopes.alpha_y * y * wi[1, lanes]
+        accepted = rng.random(x.shape) * bound < seen
+        done = accepted.any(axis=0)
+        first = accepted.argmax(axis=0)[done], np.flatnonzero(done)
+        m = np.stack([-slopes.alpha_x * x[first], -slopes.alpha_y * y[first], 1 + 0 * x[first]])
+        out[:, lanes[done]] = m / np.sqrt((m * m).sum(axis=0))
+        lanes = lanes[~done]
     return out
 
 

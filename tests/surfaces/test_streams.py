@@ -26,7 +26,10 @@ RUNS = [
     ["evaluate", "--method", "walk,exact", "--samples", "64", "--points", "4", "--theta", "0,1"],
     ["simulate", *SURFACES[:-2], "--samples", "64", "--theta", "0,1", "--convergence"],
     ["stability", "--cell", "walk,float64,outgoing,around the horizon,conductor,ggx,1"],
-    ["furnace", "--samples", "32", "--theta", "0,1", "--alpha", "0.5", "--alpha", "1"],
+    [
+        *("furnace", "--samples", "32", "--theta", "0,1", "--alpha", "0.5", "--alpha", "1"),
+        *("--method", "single,walk,exact,published,walk-memory"),
+    ],
     [
         *("tradeoff", "--method", "walk,exact", "--samples", "16", "--replicates", "4"),
         *("--directions", "16", "--rays", "100", *SURFACES[:4], "--realisations", "8"),

@@ -1,12 +1,24 @@
 """The method without noise."""
 
 from dataclasses import replace
+from functools import cache
 
+import pytest
+
+from msbsdf_cli.methods import solve
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.validation import solved
 from validation.fault_injection import assert_turns, each, flip_nothing
 
 SOLVED = solved.hard()[0]
+SOLUTION = cache(solve.solution)
+
+
+@pytest.fixture(autouse=True)
+def haste(monkeypatch):
+    """No fault is within a solution, so that each is made once; and none is of next events."""
+    monkeypatch.setattr(solve, "solution", SOLUTION)
+    monkeypatch.setattr(solved, "LEAST_WALKS", 1000)
 
 
 def unbalanced(monkeypatch):

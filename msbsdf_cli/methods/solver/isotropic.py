@@ -208,12 +208,19 @@ class DiffuseModes(Modes):
         a = np.sin(psi)[:, None] * np.cos(theta)
         b = np.cos(psi)[:, None] * np.sin(theta)
         phi_0 = np.arctan2(np.sqrt(np.maximum(b * b - a * a, 0)), -a)
-        # sin(k phi_0) / k, the integral of cos(k phi).
-        waves = [phi_0] + [np.sin(k * phi_0) / k for k in range(1, self.modes + 1)]
-        modes = [
-            2 * a * waves[m] + b * (waves[abs(m - 1)] + waves[m + 1]) for m in range(self.modes)
-        ]
-        return np.stack(modes)
+        # sin(k phi_0) / k, the integral of cos(k phi), turned on from k to k + 1: rounding adds up
+        # to k times that of one sine, in half the time.
+        waves = np.empty((self.modes + 1, *phi_0.shape))
+        waves[0], once = phi_0, np.exp(1j * phi_0)
+        turned = once
+        for k in range(1, self.modes + 1):
+            np.divide(turned.imag, k, out=waves[k])
+            turned = turned * once
+        modes, waves_b = 2 * a * waves[:-1], b * waves
+        modes += waves_b[1:]
+        modes[0] += waves_b[1]
+        modes[1:] += waves_b[:-2]
+        return modes
 
     def _scatter(self, before: Array, after: Array, facets: tuple[Array, Array]) -> Array:
         """Modes (modes, n, n') of q for albedo 1; light travels opposite to where it is seen from,

@@ -119,19 +119,22 @@ def _aliases(weights: Array) -> tuple[Array, Array]:
     total = weights.sum(axis=1, keepdims=True)
     left = np.where(total > 0, weights * n / np.where(total > 0, total, 1), 1.0)
     keep, other = np.ones((bins, n), np.float32), np.tile(np.arange(n, dtype=np.int16), (bins, 1))
-    order = np.argsort(left, axis=1)
-    rows = np.arange(bins)
-    small, large = np.zeros(bins, int), np.full(bins, n - 1)
-    cell = order[:, 0].copy()
+    # Cells are numbered through all bins: places in flat tables are found several times as fast.
+    rows = np.arange(0, bins * n, n)
+    order = (np.argsort(left, axis=1) + rows[:, None]).ravel()
+    left, keep, other = left.ravel(), keep.ravel(), other.ravel()
+    small, large = rows.copy(), rows + n - 1
+    cell = order.take(small)
     for _ in range(n - 1):
-        giver = order[rows, large]
-        mine = left[rows, cell]
-        keep[rows, cell], other[rows, cell] = mine, giver
-        left[rows, giver] -= 1 - mine
+        giver = order.take(large)
+        mine = left.take(cell)
+        keep[cell], other[cell] = mine, giver - rows
+        rest = left.take(giver) - (1 - mine)
+        left[giver] = rest
         # A giver that fell below one is next to be filled up.
-        fell = left[rows, giver] < 1
+        fell = rest < 1
         large -= fell
         small += ~fell
-        cell = np.where(fell, giver, order[rows, small])
-    keep[rows, cell] = 1
-    return keep, other
+        cell = np.where(fell, giver, order.take(small))
+    keep[cell] = 1
+    return keep.reshape(bins, n), other.reshape(bins, n)
