@@ -14,6 +14,11 @@ from msbsdf_cli.cli import group, main
 RUN = "import warnings; warnings.simplefilter('error')\nfrom msbsdf_cli.cli import main; main()"
 """Warnings of NumPy are errors: none is for the user."""
 
+WITHOUT_PICTURES = RUN.replace(
+    "; main()", "\nfrom msbsdf_cli.run import executors; executors.do_all = lambda *_: None; main()"
+)
+"""Where no test looks at any."""
+
 
 NO_PICTURES = {
     "msbsdf_cli.run.executors.do_all": lambda tasks, workers: None,
@@ -24,13 +29,22 @@ NO_PICTURES = {
 """What pictures are drawn by and of, and what takes its place where no test looks at any."""
 
 
+COARSER = {
+    "msbsdf_cli.smith.slopes._visible_cells.POLAR_BINS": 8,
+    "msbsdf_cli.smith.slopes._visible_cells.AZIMUTH_BINS": 16,
+}
+"""Tables of counted slopes that are made in no time: normals drawn from them are as right, and a
+few more of them are rejected."""
+
+
 def msbsdf(*words, pictures=False, cwd=None):
     """Run a command in this process, whose imports are done; its status, standard output and
     standard error. Only with `pictures` are there any: they take longer than most runs."""
     words = [str(word) for word in words]
     out, err = io.StringIO(), io.StringIO()
     with contextlib.ExitStack() as during:
-        for name, instead in NO_PICTURES.items() if not pictures else ():
+        patches = COARSER if pictures else COARSER | NO_PICTURES
+        for name, instead in patches.items():
             during.enter_context(patch(name, instead))
         during.enter_context(contextlib.chdir(cwd or "."))
         during.enter_context(contextlib.redirect_stdout(out))

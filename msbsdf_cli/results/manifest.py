@@ -46,11 +46,14 @@ def manifest(
     }
 
 
-@cache
 def versions() -> dict[str, str]:
     """Of this program, of Python, and of the packages that numbers depend on."""
-    ours = {"msbsdf": __version__, "python": platform.python_version()}
-    return ours | {name: version(name) for name in PACKAGES}
+    return {"msbsdf": __version__, "python": platform.python_version()} | _packages()
+
+
+@cache
+def _packages() -> dict[str, str]:
+    return {name: version(name) for name in PACKAGES}
 
 
 @cache

@@ -9,8 +9,9 @@ from surfaces.facet import Array, dot, fresnel_dielectric
 from surfaces.materials import Material
 from surfaces.quadrature import hemisphere
 
-DIRECTIONS_BLOCK = 16
-"""Directions integrated over at once, with a few thousand slopes for each."""
+DIRECTIONS_BLOCK = 4
+"""Directions integrated over at once, with a few thousand slopes for each: arrays that stay in a
+core's cache."""
 
 RADIAL_NODES = 28
 AZIMUTH_NODES = 36
@@ -40,27 +41,33 @@ def first_order_albedo(
 
 
 def _specular(slopes: Slopes, material: Material, wi: Array, inside: bool) -> Array:
-    m, weight = visible_slopes(slopes, -wi, RADIAL_NODES, AZIMUTH_NODES, split=True)
+    # Of one roughness, either side of the plane of incidence mirrors the other.
+    half = slopes.alpha_x == slopes.alpha_y
+    m, weight = visible_slopes(slopes, -wi, RADIAL_NODES, AZIMUTH_NODES, split=True, half=half)
+    sigma_i = slopes.sigma(-wi)
     w_i = np.broadcast_to(wi[:, None, :], m.shape)
     cos_i = dot(w_i, m)
     up = 2 * cos_i * m - w_i
     if not material.transmits:
-        return (weight * _passes(slopes, w_i, up, False)).sum(axis=0)
+        return (weight * _passes(slopes, wi, sigma_i, up, False)).sum(axis=0)
     eta = material.relative_ior(inside)
     fresnel, cos_t = fresnel_dielectric(cos_i, eta)
     # The refracted direction, point-reflected: it leaves where its z is positive.
     through = w_i / eta - (cos_i / eta - cos_t) * m
-    reflected = fresnel * _passes(slopes, w_i, up, False)
-    transmitted = (1 - fresnel) * _passes(slopes, w_i, through, True)
+    reflected = fresnel * _passes(slopes, wi, sigma_i, up, False)
+    transmitted = (1 - fresnel) * _passes(slopes, wi, sigma_i, through, True)
     return (weight * (reflected + transmitted)).sum(axis=0)
 
 
-def _passes(slopes: Slopes, wi: Array, w: Array, transmitted: bool) -> Array:
+def _passes(slopes: Slopes, wi: Array, sigma_i: Array, w: Array, transmitted: bool) -> Array:
     """G2 / cos(theta_i) (nodes, n), 0 for directions that head for the surface again."""
-    passes = np.zeros(w.shape[1:])
-    up = w[2] > 0
-    passes[up] = masking_shadowing(slopes, wi[:, up], w[:, up], transmitted)
-    return passes
+    shape, w = w.shape[1:], w.reshape(3, -1)
+    up = np.flatnonzero(w[2] > 0)
+    which = up % shape[1]
+    wi, sigma_i = wi.take(which, axis=1), sigma_i.take(which)
+    passes = np.zeros(w.shape[1])
+    passes[up] = masking_shadowing(slopes, wi, w.take(up, axis=1), transmitted, True, sigma_i)
+    return passes.reshape(shape)
 
 
 def _of_lobes(slopes: Slopes, material: Material, wi: Array) -> float:

@@ -20,6 +20,10 @@ QUICK = {
 }  # fmt: skip
 
 
+DRAWN = "simulate", "dielectric"
+"""Whose pictures, the same of either command, are looked at."""
+
+
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     """The directory and the summary of a quick run, made once for all that only read them."""
@@ -28,7 +32,7 @@ def report(tmp_path_factory):
     def made(command, material="conductor"):
         out = tmp_path_factory.mktemp("reports") / command
         words = ["--material", material, "--threads", 2, "--out", out, "--json"]
-        result = msbsdf(*QUICK[command], *words, pictures=material == "dielectric")
+        result = msbsdf(*QUICK[command], *words, pictures=(command, material) == DRAWN)
         assert result.returncode == 0, result.stderr
         return out, json.loads(result.stdout)
 
@@ -134,6 +138,7 @@ def test_a_report_holds_what_the_contract_says(command, material, report):
             if not row["sequence"].startswith(">")
         )
         assert sum(float(row["energy"]) for row in rows) == pytest.approx(2, abs=1e-12)
+    if (command, material) == DRAWN:
         for name in ("lobes.png", "lobes_transmitted.png", "free_path.png"):
             assert (out / name).stat().st_size > 10_000
 
@@ -236,7 +241,7 @@ def test_what_is_not_finite_is_counted(tmp_path):
 def test_compare_runs_both_and_compares_reports(tmp_path):
     out = tmp_path / "both"
     words = [*QUICK["simulate"][1:], "--alpha", "1", "--out", out]
-    result = msbsdf("compare", *words, pictures=True)
+    result = msbsdf("compare", *words)
     assert result.returncode == 0, result.stderr
     assert "Beyond noise" in result.stdout
     rows = table(out / "agreement.csv")
@@ -245,8 +250,6 @@ def test_compare_runs_both_and_compares_reports(tmp_path):
         if row["quantity"] == "energy":
             apart = float(row["modelled"]) - float(row["simulated"])
             assert float(row["difference"]) == pytest.approx(apart, abs=1e-12)
-    for name in ("agreement.png", "free_path.png", "lobes.png"):
-        assert (out / name).stat().st_size > 10_000
     # The same from the two reports, in either order.
     again = msbsdf("compare", out / "walk", out / "simulate", "--out", tmp_path / "again")
     assert again.returncode == 0, again.stderr

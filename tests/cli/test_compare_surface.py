@@ -12,7 +12,7 @@ from msbsdf_cli.smith.slopes import Beckmann
 from surfaces.field import HeightField
 from surfaces.materials import Conductor
 
-FEW = ["--samples", "3e4", "--free-path-theta", "1", "--free-path-height", "0"]
+FEW = ["--samples", "1e5", "--free-path-theta", "1", "--free-path-height", "0"]
 ANGLES = ["--theta", "0.3,1.2", "--step", "1", "--periodic", "--height-unit"]
 
 
@@ -72,7 +72,7 @@ def test_what_single_scattering_leaves_out_is_what_a_quadrature_says(report):
     wi = np.array([direction(theta) for theta in (0.3, 1.2)]).T
     albedo = first_order_albedo(Beckmann(*alpha), Conductor(), wi)
     # Noise of the walks alone, whose number is known: no surface is in it.
-    noise = np.sqrt(albedo * (1 - albedo) / 3e4)
+    noise = np.sqrt(albedo * (1 - albedo) / 1e5)
     np.testing.assert_array_less(np.abs(parts(out, "part_bounces") - (1 - albedo)), 4 * noise)
     later = [
         row

@@ -20,7 +20,8 @@ DAMAGES = 200
 def reports(tmp_path_factory):
     where = tmp_path_factory.mktemp("reports")
     for name, words in RUNS.items():
-        words = [*words, "--theta", 1, "--threads", 1, "--quiet", "--out", where / name]
+        few = ["--free-path-theta", 1, "--free-path-height", 0]
+        words = [*words, *few, "--theta", 1, "--threads", 1, "--quiet", "--out", where / name]
         result = msbsdf(*words, pictures=True)
         assert result.returncode == 0, result.stderr
     return where

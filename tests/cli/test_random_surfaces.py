@@ -7,7 +7,7 @@ import pytest
 from command_line import msbsdf, refused, table
 
 FEW = ["--theta", "0.5,80deg", "--free-path-theta", "1", "--free-path-height", "0", "--cells", "4"]
-FEW += ["--extent", "8", "--samples", "2e4", "--realisations", "16"]
+FEW += ["--extent", "8", "--samples", "1e4", "--realisations", "8"]
 
 
 @pytest.fixture(scope="module")

@@ -66,7 +66,8 @@ def test_the_table_is_long_and_has_every_option_that_varies(tmp_path):
     ],
     ids=["walk", "simulate", "compare", "methods", "file", "evaluate", "furnace"],
 )
-def test_the_same_bytes_from_one_process_two_and_shares(words, scan, tmp_path):
+def test_the_same_bytes_from_one_process_two_and_shares(words, scan, tmp_path, monkeypatch):
+    monkeypatch.setattr("msbsdf_cli.experiments.furnace.FIRST", 256)
     words = scan(words)
     runs = {"one": ("--threads", "1"), "two": ("--threads", "2")}
     runs |= {f"share-{k}": ("--shard", f"{k}/3") for k in (1, 2, 3)}
@@ -302,7 +303,8 @@ def test_what_does_not_add_up_is_refused_by_name(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr("msbsdf_cli.results.manifest.__version__", "0.0.1")
         msbsdf(*walk, "--seed", "2", "--out", tmp_path / "old")
-    msbsdf("furnace", "--method", "single", "--theta", "0", "--out", tmp_path / "furnace")
+    furnace = ("furnace", "--method", "single", "--theta", "0", "--alpha", "1")
+    msbsdf(*furnace, "--out", tmp_path / "furnace")
     msbsdf(*WALK, "--shard", "1/2", "--out", tmp_path / "s")
     share = tmp_path / "s"
     for other, part in {

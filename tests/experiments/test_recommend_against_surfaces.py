@@ -69,7 +69,7 @@ def test_channels_are_traced_one_by_one():
     found = judged(Diffuse(albedos), ms.Beckmann(0.5, 0.5), 20_000, (0.5,))
     single = next(c for c in found.candidates if c.bounces == 1)
     walks = [
-        ms.walk(ms.Smith(ms.Beckmann(0.5, 0.5), Diffuse((a,))), ms.direction(0.5), 200_000)
+        ms.walk(ms.Smith(ms.Beckmann(0.5, 0.5), Diffuse((a,))), ms.direction(0.5), 100_000)
         for a in albedos
     ]
     energy = np.array([w.energy.sum(axis=1) for w in walks])

@@ -22,7 +22,7 @@ PAIRS = [
 ]
 """Incident and outgoing direction, and roughness."""
 LANES = 12_000
-WALKS = 60_000
+WALKS = 30_000
 LIMIT = 4.5
 """Standard errors: of the 200 means of this file one would be further off in 700 runs."""
 

@@ -42,8 +42,11 @@ def parsed(path):
 def report(tmp_path_factory):
     out = tmp_path_factory.mktemp("page") / "r"
     words = ("--samples", "5000", "--cells", "4", "--extent", "6", "--realisations", "3")
+    words += ("--free-path-theta", "1", "--free-path-height", "0")
     run = msbsdf("compare", *words, "--theta", "0,45deg", "--out", out, pictures=True)
     assert run.returncode == 0
+    for name in ("agreement.png", "free_path.png", "lobes.png"):
+        assert (out / name).stat().st_size > 10_000
     return out
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import RUN, msbsdf
+from command_line import WITHOUT_PICTURES, msbsdf
 
 from msbsdf_cli.results.seal import unsealed
 
@@ -23,7 +23,7 @@ LONG = ["walk", "--samples", "1e11", "--quiet"]
 
 def start(*words, before=""):
     """A run in a process of its own; its standard error is a pipe that its workers hold too."""
-    command = [sys.executable, "-c", before + RUN, *map(str, words)]
+    command = [sys.executable, "-c", before + WITHOUT_PICTURES, *map(str, words)]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts)
 
 
@@ -116,7 +116,7 @@ def test_runs_at_once_into_one_place_are_all_kept(tmp_path):
 @pytest.mark.parametrize("closed", ["2>&-", ">&- 2>&-", "| head -c 1"])
 def test_a_closed_stream_is_no_failure(closed, tmp_path):
     words = f"walk --samples 1e3 --theta 1 --alpha 6 --out {tmp_path / 'r'}"
-    command = f'{sys.executable} -c "{RUN}" {words} {closed}'.replace("\n", "; ")
+    command = f'{sys.executable} -c "{WITHOUT_PICTURES}" {words} {closed}'.replace("\n", "; ")
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert "Traceback" not in result.stderr
     unsealed(tmp_path / "r")

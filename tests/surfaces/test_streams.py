@@ -28,7 +28,7 @@ RUNS = [
     ["stability", "--cell", "walk,float64,outgoing,around the horizon,conductor,ggx,1"],
     [
         *("furnace", "--samples", "32", "--theta", "0,1", "--alpha", "0.5", "--alpha", "1"),
-        *("--method", "single,walk,exact,published,walk-memory"),
+        *("--method", "walk,exact"),
     ],
     [
         *("tradeoff", "--method", "walk,exact", "--samples", "16", "--replicates", "4"),
