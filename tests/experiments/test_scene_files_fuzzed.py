@@ -52,7 +52,7 @@ def read(text, suffix):
     return None
 
 
-@settings(max_examples=400)
+@settings(max_examples=250)
 @given(st.dictionaries(KEYS, VALUES, max_size=6), st.dictionaries(KEYS, VALUES, max_size=2))
 def test_tables_of_anything(entries, around):
     head = "".join(f"{key} = {toml(value)}\n" for key, value in around.items())
@@ -130,7 +130,7 @@ ELEMENTS = st.recursive(
 )
 
 
-@settings(max_examples=400)
+@settings(max_examples=250)
 @given(st.lists(ELEMENTS, max_size=5))
 def test_elements_of_anything(elements):
     scene = read(f"<scene>{''.join(elements)}</scene>", ".xml")

@@ -33,7 +33,7 @@ def two():
 
 @pytest.fixture(scope="module")
 def glass():
-    return make_table(ms.Beckmann(1, 1), Dielectric(1.5), 2, True, Nodes.of_glass(1.5, 4, 4, 8), 0.5)
+    return make_table(ms.Beckmann(1, 1), Dielectric(1.5), 2, True, Nodes.of_glass(1.5, 4, 4, 8), 0.4)
 
 
 def test_splines_are_those_of_the_textbook():
@@ -119,7 +119,7 @@ def test_two_roughnesses_are_smooth_across_their_planes_of_symmetry(two):
 def test_glass_has_the_values_of_solve_on_either_side(glass, side):
     """At nodes, which of transmitted light are others outside; reciprocity gives one of the four
     blocks, and light either way differs by .006 on a grid as coarse as this."""
-    solve = Solve(glass.slopes, Dielectric(1.5 if side == 1 else 1 / 1.5), 1, 0.5)
+    solve = Solve(glass.slopes, Dielectric(1.5 if side == 1 else 1 / 1.5), 1, 0.4)
     nodes, down = glass.nodes, np.array([[1], [1], [-1]])
     for i, o, p in ((1, 3, 2), (4, 1, 5), (2, 6, 3), (7, 6, 1)):
         outside, inside = nodes.thin_theta(o)[i], nodes.theta[o]
