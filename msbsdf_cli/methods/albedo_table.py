@@ -113,7 +113,7 @@ class Albedo:
         return float(np.abs(self(w) - first_order_albedo(slopes, material, w, inside)).max())
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=64)
 def table_of(slopes: Slopes, facets: Material, inside: bool) -> Albedo:
     """The table of lossless facets, made once for all methods and metals that read it."""
     return Albedo(slopes, facets, inside)

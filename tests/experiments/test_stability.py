@@ -183,7 +183,9 @@ def test_what_is_broken_fails_and_says_why(kind, dtype, reason):
     assert any(reason in text for text in reasons), reasons
 
 
-def test_published_fails_at_grazing_incidence_on_glass_where_the_walk_works():
+def test_published_fails_at_grazing_incidence_on_glass_where_the_walk_works(monkeypatch):
+    # By energies: values solved for, which take longest, are looked at elsewhere.
+    monkeypatch.setattr("msbsdf_cli.experiments.stability.truth.VALUES_AFFORDABLE_S", 0.0)
     at = point(Dielectric(1.5), Beckmann(0.5, 0.5), 1.5707, "roughness")
     rows = run(Job(at, ("walk", "published"), ("float32",), 0, True))
     assert [row.verdict for row in rows] == [verdicts.WORKS, verdicts.FAILS]

@@ -272,7 +272,7 @@ def test_error_of_a_coarse_grid_of_directions(slopes, phi):
 
 
 def test_a_wanted_accuracy_is_refined_to():
-    arguments, wi = (distribution("ggx")(1, 1), Dielectric(), 2), direction(1.0)
+    arguments, wi = (distribution("ggx")(1, 1), Diffuse(), 2), direction(1.0)
     wanted = Solve(*arguments).energy(wi).error.max() / 2
     found = Solve.accurate(*arguments, wi[:, None], wanted).energy(wi)
     assert found.error.max() <= wanted

@@ -33,7 +33,9 @@ def two():
 
 @pytest.fixture(scope="module")
 def glass():
-    return make_table(ms.Beckmann(1, 1), Dielectric(1.5), 2, True, Nodes.of_glass(1.5, 4, 4, 8), 0.4)
+    return make_table(
+        ms.Beckmann(1, 1), Dielectric(1.5), 2, True, Nodes.of_glass(1.5, 4, 4, 8), 0.4
+    )
 
 
 def test_splines_are_those_of_the_textbook():

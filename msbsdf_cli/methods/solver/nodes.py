@@ -129,10 +129,11 @@ def interpolation(n: int, x: Array) -> Array:
     nodes, weight = gauss(n)
     factor = np.sqrt(nodes * (1 - nodes) * weight)
     factor[1::2] *= -1
-    distance = x[..., None] - nodes
+    matrix: Array = x[..., None] - nodes
     # At a node the formula is 0 / 0; a tiny distance gives its limit, the value there.
-    terms = factor / np.where(distance == 0, np.finfo(float).tiny ** 0.5, distance)
-    matrix: Array = terms / terms.sum(-1, keepdims=True)
+    matrix[matrix == 0] = np.finfo(float).tiny ** 0.5
+    np.divide(factor, matrix, out=matrix)
+    matrix /= matrix.sum(-1, keepdims=True)
     return matrix
 
 

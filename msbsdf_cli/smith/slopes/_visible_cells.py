@@ -118,11 +118,11 @@ def _aliases(weights: Array) -> tuple[Array, Array]:
     bins, n = weights.shape
     total = weights.sum(axis=1, keepdims=True)
     left = np.where(total > 0, weights * n / np.where(total > 0, total, 1), 1.0)
-    keep, other = np.ones((bins, n), np.float32), np.tile(np.arange(n, dtype=np.int16), (bins, 1))
+    keep, other = np.ones(bins * n, np.float32), np.tile(np.arange(n, dtype=np.int16), bins)
     # Cells are numbered through all bins: places in flat tables are found several times as fast.
     rows = np.arange(0, bins * n, n)
     order = (np.argsort(left, axis=1) + rows[:, None]).ravel()
-    left, keep, other = left.ravel(), keep.ravel(), other.ravel()
+    left = left.ravel()
     small, large = rows.copy(), rows + n - 1
     cell = order.take(small)
     for _ in range(n - 1):
