@@ -148,8 +148,6 @@ def test_sweeps_of_skewed_heights(tmp_path):
     for place, (energy, stderr) in mine.items():
         noise = stderr + theirs[place][1] + 1e-9
         assert abs(energy - theirs[place][0]) < 4 * noise
-    words = ["sweep", "compare", "--heights-of", "pits", *FEW, "--out", tmp_path / "c"]
-    assert "--heights-of beside compare" in msbsdf(*words).stderr
 
 
 def test_simulate_takes_one_autocorrelation():

@@ -152,6 +152,7 @@ def test_a_surface_that_has_changed_is_another_sweep(tmp_path):
 
 def test_comparisons_in_parts_stand_beside_others(tmp_path):
     few = ("--cells", "4", "--extent", "12", "--realisations", "16", "--samples", "800")
+    few += ("--theta", "0.5", "--free-path-theta", "1", "--free-path-height", "0")
     words = (*few, "--heights-of", "gaussian,ridges:1", "--alpha", "0.5", "--out", tmp_path / "a")
     assert msbsdf("sweep", "compare", *words).returncode == 0
     found = {(row["heights_of"], row["quantity"]) for row in table(tmp_path / "a" / "sweep.csv")}

@@ -27,7 +27,7 @@ from msbsdf_cli.experiments.sweep.work import Alone, Failure, seed_of
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import load_run
 from msbsdf_cli.scene import Scene
-from msbsdf_cli.smith.slopes import Beckmann, Ggx
+from msbsdf_cli.smith.slopes import Beckmann, Ggx, _visible_cells
 from surfaces.materials import Conductor, Dielectric
 
 PATHS = FreePaths((0.5, 2.0), (0.0, np.inf), np.linspace(-4, 4, 9))
@@ -88,7 +88,10 @@ def test_parts_of_a_file_add_up_to_one_simulation(tmp_path):
         replace(source, detrend=2).field()
 
 
-def test_fitted_walks_are_those_of_a_comparison_in_parts_and_seeds_add_up():
+def test_fitted_walks_are_those_of_a_comparison_in_parts_and_seeds_add_up(monkeypatch):
+    # Tables of counted slopes that are made in no time, at a few more rejections.
+    monkeypatch.setattr(_visible_cells, "POLAR_BINS", 8)
+    monkeypatch.setattr(_visible_cells, "AZIMUTH_BINS", 16)
     ridges = replace(COARSE, cells=6, realisations=16, heights_of="ridges:1")
     scene = Scene(Conductor(), Beckmann(0.5, 0.5), (1.0,))
     states, wholes = [], []
