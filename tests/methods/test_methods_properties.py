@@ -72,6 +72,9 @@ def answers_or_refuses(name, slopes, w, ior, albedo, kind, dtype, seed):
     facets = {"conductor": Conductor(), "diffuse": Diffuse(albedo), "dielectric": Dielectric(ior)}
     rng = np.random.default_rng(seed)
     assume(ends(slopes, facets[kind], wi))
+    if name == "walk-low-variance":
+        # It walks from the other end too.
+        assume(all(ends(slopes, facets[kind], w) for w in wo.T if w[2] > 0))
     try:
         METHODS[name].check_supported(slopes, facets[kind])
         method = METHODS[name](slopes, facets[kind], 2)
