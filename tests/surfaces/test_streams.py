@@ -42,6 +42,8 @@ FEWER = {
         "EXTENT": 8,
     },
     "msbsdf_cli.experiments.tradeoff.roughness": {"ALPHAS": (0.5, 1.0)},
+    # Spheres are small, and yet made in four jobs.
+    "msbsdf_cli.experiments.render.picture": {"CHUNK": 36},
 }
 
 
