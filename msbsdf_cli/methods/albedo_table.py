@@ -59,7 +59,7 @@ class Albedo:
 
     def __init__(self, slopes: Slopes, material: Material, inside: bool) -> None:
         self.squeeze = np.sqrt(slopes.alpha_y / slopes.alpha_x)
-        one = slopes.alpha_x == slopes.alpha_y
+        one = slopes.isotropic
         u = np.linspace(0, 1, POLAR_NODES)
         self.shrink = min(1.0, SMOOTH * float(np.sqrt(slopes.alpha_x * slopes.alpha_y)))
         s = np.arcsinh(self.shrink / LOWEST) * np.sinh(DENSER * u) / np.sinh(DENSER)

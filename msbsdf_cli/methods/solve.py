@@ -115,7 +115,7 @@ class Solve(MethodBase):
         energy to `accuracy`, for light from any of `wi` (3, n); or the best of them. Raises
         ArithmeticError where none comes to an end.
         """
-        one = slopes.alpha_x == slopes.alpha_y
+        one = slopes.isotropic
         found, failure = [], None
         for step in range(REFINEMENTS if one else REFINEMENTS_OF_TWO):
             solution = cls(slopes, material, orders, REFINEMENT**step)
@@ -155,7 +155,7 @@ class Solve(MethodBase):
 
     def energy(self, wi: Array) -> Energy:
         """Energy of each order that leaves, for a unit vector `wi` (3,), z > 0."""
-        one = self.slopes.alpha_x == self.slopes.alpha_y
+        one = self.slopes.isotropic
         fine, *coarse = (
             s.energy(wi.astype(float)) for s in (self.fine, *self.coarse[: 1 if one else None])
         )

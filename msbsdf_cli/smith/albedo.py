@@ -42,7 +42,7 @@ def first_order_albedo(
 
 def _specular(slopes: Slopes, material: Material, wi: Array, inside: bool) -> Array:
     # Of one roughness, either side of the plane of incidence mirrors the other.
-    half = slopes.alpha_x == slopes.alpha_y
+    half = slopes.isotropic
     m, weight = visible_slopes(slopes, -wi, RADIAL_NODES, AZIMUTH_NODES, split=True, half=half)
     sigma_i = slopes.sigma(-wi)
     w_i = np.broadcast_to(wi[:, None, :], m.shape)

@@ -109,7 +109,7 @@ def seconds(surface: SceneSurface) -> float:
         walks = WALKS / WALKS_PER_S * scene.material.channels * bool(methods)
         # Of two roughnesses one solution serves all directions.
         solved = energy_seconds(scene.slopes, scene.material)
-        one = scene.slopes.alpha_x == scene.slopes.alpha_y
+        one = scene.slopes.isotropic
         found += solved * (len(scene.theta) if one else 0.5) + walks * len(scene.theta)
     return found
 

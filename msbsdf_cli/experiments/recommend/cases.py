@@ -59,7 +59,7 @@ def scenes(surface: SceneSurface) -> list[Scene]:
     """A scene for each roughness and azimuth: surfaces of two roughnesses are seen along both."""
     found = []
     for slopes in surface.slopes:
-        azimuths = (0.0,) if slopes.alpha_x == slopes.alpha_y else (0.0, math.pi / 2)
+        azimuths = (0.0,) if slopes.isotropic else (0.0, math.pi / 2)
         found += [Scene(surface.material, slopes, surface.theta, a, ORDERS) for a in azimuths]
     return found
 

@@ -13,7 +13,7 @@ def first_order_energy(
 ) -> float:
     """Energy on both sides of specular facets, in the first channel, for `wi` (3,), z > 0, with
     `panel` nodes between edges."""
-    quadrature = SlopeQuadrature(slopes, panel, slopes.alpha_x == slopes.alpha_y)
+    quadrature = SlopeQuadrature(slopes, panel, slopes.isotropic)
     lights: tuple[Light, ...]
     if material.transmits:
         lights = quadrature.scatter(-wi, material.ior)

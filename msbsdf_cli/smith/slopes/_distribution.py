@@ -42,6 +42,11 @@ class Slopes(ABC):
         return self.alpha_x, self.alpha_y
 
     @property
+    def isotropic(self) -> bool:
+        """Whether slopes are alike in every direction."""
+        return self.alpha_x == self.alpha_y
+
+    @property
     def textured(self) -> bool:
         """Whether each lane has a roughness of its own."""
         return np.ndim(self.alpha_x) > 0

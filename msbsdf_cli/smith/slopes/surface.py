@@ -90,6 +90,11 @@ class Surface(Slopes):
         once for all work on the same slopes."""
         return _kept, (self.alpha_x, self.alpha_y, self.cells, self.shares, self.reach)
 
+    @property
+    def isotropic(self) -> bool:
+        """Never: no count is."""
+        return False
+
     def D(self, m: Array) -> Array:
         """Of the cell that the slope is in."""
         with np.errstate(divide="ignore", invalid="ignore"):
