@@ -1,7 +1,7 @@
 """How pictures look: for print, and told apart without colour where it matters."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,9 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.collections import QuadMesh
+from matplotlib.lines import Line2D
 
+from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.plots import FORMAT
 from msbsdf_cli.scene import in_degrees as in_degrees
 
@@ -37,6 +39,8 @@ plt.rcParams.update(
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Wong's palette, told apart by colour-blind eyes; one for each order."""
 DASHES = ("-", "--", "-.", ":")
+SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
+"""Colours and markers of what is traced on explicit surfaces."""
 DOTS_PER_INCH = 130
 
 
@@ -75,6 +79,33 @@ def order_colour(index: int) -> str:
 def method_look(index: int) -> dict[str, Any]:
     """Colour and dashes of the line of the method in place `index`."""
     return {"color": order_colour(index), "ls": DASHES[index // len(COLOURS)]}
+
+
+def look(name: str) -> dict[str, Any]:
+    """Colour and marker of the line of a method, or of `simulate`, the same on every chart."""
+    if name not in METHODS:
+        colour, marker = SIMULATED[0].get(name, SIMULATED[1])
+    else:
+        colour, marker = METHODS[name].traits.colour, METHODS[name].traits.marker
+    return {"color": colour, "marker": marker}
+
+
+def method_lines(names: Iterable[str]) -> list[Line2D]:
+    """A line of each method, for a legend."""
+    return [Line2D([], [], label=name, **look(name)) for name in dict.fromkeys(names)]
+
+
+def key(figure: Any, handles: Sequence[Any]) -> None:
+    """A legend above all panels in as many columns as fit; the figure grows where it has more than
+    the two lines that `panels` leaves room for."""
+    longest = max(len(handle.get_label()) for handle in handles)
+    columns = max(1, int(figure.get_figwidth() / (0.45 + 0.055 * longest)))
+    figure.legend(handles=handles, loc="upper left", ncols=columns)
+    height, edges = figure.get_figheight(), figure.subplotpars
+    more = 0.155 * max(-(-len(handles) // columns) - 2, 0)
+    figure.set_figheight(height + more)
+    bottom, top = (edge * height / (height + more) for edge in (edges.bottom, edges.top))
+    figure.subplots_adjust(bottom=bottom, top=top)
 
 
 def save(figure: Any, path: Path) -> None:
