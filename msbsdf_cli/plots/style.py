@@ -10,10 +10,11 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.collections import QuadMesh
+from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.plots import FORMAT
+from msbsdf_cli.plots import FOR_PAGE, FORMAT
 from msbsdf_cli.scene import in_degrees as in_degrees
 
 plt.rcParams.update(
@@ -33,6 +34,8 @@ plt.rcParams.update(
         "axes.axisbelow": True,
         "lines.linewidth": 1.1,
         "legend.frameon": False,
+        # Equal pictures are equal files.
+        "svg.hashsalt": "msbsdf",
     }
 )
 
@@ -109,13 +112,15 @@ def key(figure: Any, handles: Sequence[Any]) -> None:
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write a PNG, or what is wanted instead, and free the figure; beside a PDF, which no page can
-    show, a PNG too. Dense maps are bitmaps in every format."""
+    """Write a PNG, or what is wanted instead, and free the figure. Beside it lies, until the page
+    of the report is written, what is for that alone: a PNG, and an SVG of a picture of lines."""
     wanted = os.environ.get(FORMAT, "png")
-    # A PNG is a bitmap anyway, and to seek maps makes every tick of every axis.
-    for mesh in figure.findobj(QuadMesh) if wanted != "png" else ():
+    maps = figure.findobj(lambda artist: isinstance(artist, (QuadMesh, AxesImage)))
+    for mesh in maps:
+        # Dense maps are bitmaps in every format.
         mesh.set_rasterized(True)
-    for suffix in {"pdf": ("pdf", "png")}.get(wanted, (wanted,)):
-        place = path.with_suffix(f".{suffix}")
-        figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white")
+    for suffix in dict.fromkeys((wanted, "png", *(() if maps else ("svg",)))):
+        place = path.with_suffix(f".{suffix}" if suffix == wanted else f"{FOR_PAGE}.{suffix}")
+        made = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+        figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white", metadata=made)
     plt.close(figure)
