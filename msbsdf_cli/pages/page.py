@@ -129,7 +129,7 @@ def _pictures(directory: Path) -> tuple[list[Picture], list[Picture]]:
         for stem, path in paths.items()
     ]
     slides = [picture for picture in all_ if _kind(Path(picture.name).stem) == SLIDES]
-    for path in directory.rglob(f"*{FOR_PAGE}.*"):
+    for path in directory.glob(f"*{FOR_PAGE}.*"):
         path.unlink()
     return [p for p in all_ if p not in slides], slides
 

@@ -14,7 +14,7 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.plots import FOR_PAGE, FORMAT
+from msbsdf_cli.plots import FOR_PAGE, FORMAT, PAGE_OF
 from msbsdf_cli.scene import in_degrees as in_degrees
 
 plt.rcParams.update(
@@ -45,6 +45,8 @@ DASHES = ("-", "--", "-.", ":")
 SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
 """Colours and markers of what is traced on explicit surfaces."""
 DOTS_PER_INCH = 130
+BOTH = "png", "svg"
+"""What the page may show of a picture of lines: a bitmap where there are too many of them."""
 
 
 def panels(
@@ -119,7 +121,8 @@ def save(figure: Any, path: Path) -> None:
     for mesh in maps:
         # Dense maps are bitmaps in every format.
         mesh.set_rasterized(True)
-    for suffix in dict.fromkeys((wanted, "png", *(() if maps else ("svg",)))):
+    in_page = () if os.environ.get(PAGE_OF) != str(path.parent) else ("png",) if maps else BOTH
+    for suffix in dict.fromkeys((wanted, *in_page)):
         place = path.with_suffix(f".{suffix}" if suffix == wanted else f"{FOR_PAGE}.{suffix}")
         made = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
         figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white", metadata=made)

@@ -11,7 +11,7 @@ from PIL import Image
 
 from msbsdf_cli.pages import page
 from msbsdf_cli.pages.citations import papers
-from msbsdf_cli.plots import FOR_PAGE
+from msbsdf_cli.plots import FOR_PAGE, PAGE_OF
 from msbsdf_cli.plots.style import panels, save
 
 VOID = {"meta", "link", "img", "input", "br"}
@@ -91,7 +91,9 @@ def test_lines_are_drawn_as_lines_and_maps_as_bitmaps(report):
     assert not list(report.rglob("*.svg"))
 
 
-def test_equal_pictures_are_equal_files(tmp_path):
+def test_equal_pictures_are_equal_files(tmp_path, monkeypatch):
+    monkeypatch.setenv(PAGE_OF, str(tmp_path))
+
     def drawn():
         figure, axes = panels(1, [2.0], 1.5)
         axes[0, 0].plot([1, 2], clip_path=None, label="a")
@@ -99,6 +101,7 @@ def test_equal_pictures_are_equal_files(tmp_path):
         save(figure, tmp_path / "a.png")
         return [path.read_bytes() for path in sorted(tmp_path.iterdir())]
 
+    assert len(drawn()) == 3
     assert drawn() == drawn()
 
 
