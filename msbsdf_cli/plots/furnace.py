@@ -45,9 +45,13 @@ def draw_furnace(table: Table, path: Path, against: str | None = None) -> None:
     figure, axes = panels(
         len(rows), [2.2] * len(shown), 1.4, (0.12, 0.16), sharex=True, sharey="row"
     )
+    near = [curves[m, channel] for channel, is_far, members in rows if not is_far for m in members]
+    widest = max((float((np.abs(off) + 2 * s).max()) for row in near for off, s in row), default=1)
     for line, (channel, is_far, members) in zip(axes, rows, strict=True):
         for j, axis in enumerate(line):
             (_draw_far if is_far else _draw_near)(axis, {m: curves[m, channel][j] for m in members})
+        if not is_far:
+            line[0].set_ylim(-1.05 * widest, 1.05 * widest)
         off = f"albedo - {against or 1}"
         line[0].set_ylabel(f"{channel} {f'|{off}|' if is_far else off}, %".strip())
     theta = [f"{np.degrees(t):.3g}" for t in dict.fromkeys(columns["theta_i_rad"].tolist())]
@@ -58,7 +62,7 @@ def draw_furnace(table: Table, path: Path, against: str | None = None) -> None:
         axes[-1, j].set_xlabel("theta_i, degrees", labelpad=1)
     handles = method_lines(m for m in methods if m != against)
     if far:
-        gain = {"color": "0.3", "marker": "o", "mfc": "white", "ls": ""}
+        gain: dict[str, Any] = {"color": "0.3", "marker": "o", "mfc": "white", "ls": ""}
         handles.append(Line2D([], [], label="hollow: more light than that", **gain))
     key(figure, handles)
     save(figure, path)

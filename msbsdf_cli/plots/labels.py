@@ -19,17 +19,15 @@ FAR, FIRST_END, ON_NAME, OUTSIDE = 8, 1, 10, 1000
 last; a place of a name; a corner outside the axes."""
 
 
-def name_curves(
-    axis: Any, curves: dict[str, tuple[Array, str]], around: Array, texts: Array
-) -> None:
+def name_curves(axis: Any, curves: dict[str, tuple[Array, str]], around: Array) -> None:
     """Write the name of each curve, points (2, n) of the data, in its colour; nor are the points
-    `around` (2, m) hidden, or those along other texts. Limits and scales must be there."""
+    `around` (2, m) hidden. Limits and scales must be there."""
     dots = axis.figure.dpi
     ends = {name: axis.transData.transform(xy.T) / dots for name, (xy, _) in curves.items()}
     frame = axis.get_window_extent().get_points() / dots
     curve_points = [_along(points) for points in ends.values()]
     hidden = np.concatenate([*curve_points, axis.transData.transform(around.T) / dots])
-    named = axis.transData.transform(texts.T) / dots
+    named = np.zeros((0, 2))
     for name, points in ends.items():
         half = np.array([LETTER * len(name), LINE]) / 2
         centre, end, distance = _candidates(points, half)

@@ -13,7 +13,6 @@ from msbsdf_cli.experiments.tradeoff.floors import Floor
 from msbsdf_cli.experiments.tradeoff.rows import Row
 from msbsdf_cli.plots.labels import LETTER, name_curves
 from msbsdf_cli.plots.style import in_degrees, look, save
-from surfaces.facet import Array
 
 SMITH = "#b2182b"
 WIDTH = 5.45
@@ -154,22 +153,27 @@ def _draw_panel(
     axis.xaxis.set_minor_formatter(NullFormatter())
     axis.yaxis.set_major_locator(LogLocator(numticks=10))
     axis.set_xlabel("seconds, set-up included", labelpad=1)
-    drawn = [_draw_floor(axis, floor, large) for floor in floors]
+    named = {}
+    for floor in floors:
+        named |= _draw_floor(axis, floor)
     if large:
-        _name(axis, points, [found for found in drawn if found])
+        _name(axis, points, named)
 
 
-def _name(axis: Any, points: list[Point], floors: list[list[Array]]) -> None:
-    """Each method's name at an end of its curve."""
-    curves = {}
+def _name(axis: Any, points: list[Point], floors: dict[str, tuple[float, str]]) -> None:
+    """Each method's name at an end of its curve, and those of floors somewhere along them."""
+    curves, left, right = {}, *np.log10(axis.get_xlim())
+    lines = [np.transpose([(p["seconds"][1], max(p["error"], LEAST_ERROR)) for p in points])]
+    for text, (y, colour) in floors.items():
+        lines.append(np.array([np.logspace(left, right, 200), np.full(200, y)]))
+        # Half of the text is to either side.
+        inset = (0.6 * LETTER * len(text)) / WIDTH * (right - left)
+        curves[text] = np.array([10.0 ** np.array([left + inset, right - inset]), [y, y]]), colour
     for method in dict.fromkeys(p["method"] for p in points):
         mine = [p for p in points if p["method"] == method]
         x, y = np.transpose([(p["seconds"][1] + p["setup_s"], p["error"]) for p in mine])
         curves[method] = np.array([x, np.maximum(y, LEAST_ERROR)]), look(method)["color"]
-    hollow = [(p["seconds"][1], max(p["error"], LEAST_ERROR)) for p in points]
-    lines = np.concatenate([*(line for line, _ in floors), np.transpose(hollow)], axis=1)
-    texts = np.concatenate([np.zeros((2, 0)), *(text for _, text in floors)], axis=1)
-    name_curves(axis, curves, lines, texts)
+    name_curves(axis, curves, np.concatenate(lines, axis=1))
 
 
 def _draw_method(axis: Any, method: str, points: list[Point], size: float) -> None:
@@ -198,35 +202,23 @@ def _draw_method(axis: Any, method: str, points: list[Point], size: float) -> No
             axis.plot([seconds], [here], marker, ms=size, mfc="white", mec=colour, mew=0.8)
 
 
-def _draw_floor(axis: Any, floor: Floor, large: bool) -> list[Array]:
-    """Draw it; points (2, n) all along its line and its text, if it has them."""
+def _draw_floor(axis: Any, floor: Floor) -> dict[str, tuple[float, str]]:
+    """Draw it; what it says, where and in which colour, if it is drawn."""
     value, shown = floor.relative_rmse, max(floor.relative_rmse, LEAST_ERROR)
     if floor.floor == "model" and floor.model == "smith":
         low = max(value - 2 * floor.stderr, LEAST_ERROR)
         axis.axhline(value, color=SMITH, lw=1.6, ls="--", zorder=2)
         axis.axhspan(low, value + 2 * floor.stderr, color=SMITH, alpha=0.15, lw=0)
-        # Below the band: what simulates surfaces comes down to it from above.
-        text, colour, side = f"Smith model to surfaces: {value:.2g}", SMITH, "top"
-        y = (low if low > 2 * LEAST_ERROR else shown) / 1.06
-    elif floor.floor == "reference":
+        return {f"Smith model to surfaces: {value:.2g}": (shown, SMITH)}
+    if floor.floor == "reference":
         axis.axhline(shown, color="0.4", lw=1.1, ls=":", zorder=2)
         below = ", below this edge" if value < LEAST_ERROR else ""
-        text, colour = f"noise of the reference: {value:.1g}{below}", "0.35"
-        y, side = shown * 1.06, "bottom"
-    else:
-        return []
-    if not large:
-        return []
-    at = axis.get_yaxis_transform()
-    axis.text(0.01, y, text, color=colour, va=side, fontsize=7, transform=at)
-    x = np.geomspace(*axis.get_xlim(), 200)
-    written = x[: int(len(x) * LETTER * len(text) / WIDTH)]
-    middle = y * (1.2 if side == "bottom" else 1 / 1.2)
-    return [np.array([x, np.full(len(x), shown)]), np.array([written, written * 0 + middle])]
+        return {f"noise of the reference: {value:.1g}{below}": (shown, "0.35")}
+    return {}
 
 
 def _legend(figure: Any) -> None:
-    look = {"marker": "o", "color": "0.2"}
-    ring = Line2D([], [], **look, ls="", ms=9, mfc="none", label="Pareto front, set-up included")
-    hollow = Line2D([], [], **look, ls=":", mfc="white", label="without set-up")
+    style: dict[str, Any] = {"marker": "o", "color": "0.2"}
+    ring = Line2D([], [], **style, ls="", ms=9, mfc="none", label="Pareto front, set-up included")
+    hollow = Line2D([], [], **style, ls=":", mfc="white", label="without set-up")
     figure.legend(handles=[ring, hollow], loc="upper left", ncols=2)

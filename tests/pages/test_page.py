@@ -101,7 +101,7 @@ def test_equal_pictures_are_equal_files(tmp_path, monkeypatch):
         save(figure, tmp_path / "a.png")
         return [path.read_bytes() for path in sorted(tmp_path.iterdir())]
 
-    assert len(drawn()) == 3
+    assert len(drawn()) == 2
     assert drawn() == drawn()
 
 

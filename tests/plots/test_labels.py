@@ -25,7 +25,7 @@ def test_names_hide_neither_one_another_nor_curves(apart):
     }
     curves["published"] = np.array([np.full(200, 1.5), np.geomspace(1e-3, 0.5, 200)]), "k"
     texts = np.array([np.geomspace(1e-3, 1e-1, 40), np.full(40, 0.02)])
-    name_curves(axis, curves, np.zeros((2, 0)), texts)
+    name_curves(axis, curves, texts)
     figure.canvas.draw()
     boxes = [Text.get_window_extent(text) for text in axis.texts]  # Without leaders.
     assert [text.get_text() for text in axis.texts] == list(curves)
