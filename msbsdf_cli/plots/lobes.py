@@ -11,7 +11,15 @@ from matplotlib.colors import PowerNorm, SymLogNorm
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from msbsdf_cli.plots.style import in_degrees, method_look, order_colour, panels, save
+from msbsdf_cli.plots.style import (
+    in_degrees,
+    key,
+    look,
+    method_lines,
+    order_colour,
+    panels,
+    save,
+)
 from msbsdf_cli.results.lobes import Lobes, plane_of_incidence
 from msbsdf_cli.scene import from_normal
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, merge_bins, spread_bins
@@ -76,9 +84,9 @@ def draw_methods(simulated: Lobes, modelled: list[Lobes], directory: Path) -> No
             for axis, (order, orders) in zip(axes[row], columns.items(), strict=True):
                 _methods_panel(axis, simulated, modelled, row, orders, side)
                 axis.set_title(f"light from {in_degrees(theta)}, order {order}   [1/sr]")
-        handles = [Line2D([], [], **method_look(k), label=m.label) for k, m in enumerate(modelled)]
+        handles = method_lines(lobes.label for lobes in modelled)
         handles.append(Line2D([], [], color="0.1", marker="o", ms=2, ls="", label="simulated"))
-        figure.legend(handles=handles, loc="upper left", ncols=5)
+        key(figure, handles)
         save(figure, directory / ("methods_transmitted.png" if side else "methods.png"))
 
 
@@ -95,10 +103,12 @@ def _methods_panel(
             angle,
             values,
             errors,
-            **method_look(k),
+            **look(lobes.label),
+            ms=2.5,
             lw=0.9,
             elinewidth=0.6,
             errorevery=(k, 4 * each),
+            markevery=(k, 4 * each),
         )
         largest = max(largest, values.max())
     _plane_axis(axis)

@@ -81,11 +81,6 @@ def order_colour(index: int) -> str:
     return COLOURS[index % len(COLOURS)]
 
 
-def method_look(index: int) -> dict[str, Any]:
-    """Colour and dashes of the line of the method in place `index`."""
-    return {"color": order_colour(index), "ls": DASHES[index // len(COLOURS)]}
-
-
 def look(name: str) -> dict[str, Any]:
     """Colour and marker of the line of a method, or of `simulate`, the same on every chart."""
     if name not in METHODS:
@@ -100,14 +95,14 @@ def method_lines(names: Iterable[str]) -> list[Line2D]:
     return [Line2D([], [], label=name, **look(name)) for name in dict.fromkeys(names)]
 
 
-def key(figure: Any, handles: Sequence[Any]) -> None:
+def key(figure: Any, handles: Sequence[Any], raised: float = 0) -> None:
     """A legend above all panels in as many columns as fit; the figure grows where it has more than
-    the two lines that `panels` leaves room for."""
+    the two lines that `panels` leaves room for, and where titles are raised by some inches."""
     longest = max(len(handle.get_label()) for handle in handles)
     columns = max(1, int(figure.get_figwidth() / (0.45 + 0.055 * longest)))
     figure.legend(handles=handles, loc="upper left", ncols=columns)
     height, edges = figure.get_figheight(), figure.subplotpars
-    more = 0.155 * max(-(-len(handles) // columns) - 2, 0)
+    more = raised + 0.155 * max(-(-len(handles) // columns) - 2, 0)
     figure.set_figheight(height + more)
     bottom, top = (edge * height / (height + more) for edge in (edges.bottom, edges.top))
     figure.subplots_adjust(bottom=bottom, top=top)

@@ -13,6 +13,7 @@ from msbsdf_cli.experiments.tradeoff.floors import Floor
 from msbsdf_cli.experiments.tradeoff.rows import Row
 from msbsdf_cli.plots.labels import LETTER, name_curves
 from msbsdf_cli.plots.style import in_degrees, look, save
+from surfaces.facet import Array
 
 SMITH = "#b2182b"
 WIDTH = 5.45
@@ -31,8 +32,8 @@ def draw_tradeoff(
     angles = list(dict.fromkeys(r.theta_i_rad for r in rows))
     together = over_angles(rows, len(angles))
     points = {theta: [as_point(r) for r in rows if r.theta_i_rad == theta] for theta in angles}
-    limits = _times([*together, *(p for mine in points.values() for p in mine)])
-    limits += _errors(rows, floors)
+    times = _times([*together, *(p for mine in points.values() for p in mine)])
+    limits = times + _errors(rows, floors)
     small = [] if len(angles) == 1 else angles
     columns = -(-len(small) // 2)
     width = 6.4 + 2.3 * columns
@@ -92,8 +93,7 @@ def over_angles(rows: Sequence[Row], angles: int) -> list[Point]:
         point = as_point(mine[0])
         error = np.array([r.relative_rmse for r in mine])
         stderr = np.array([r.relative_rmse_stderr for r in mine])
-        point["error"] = float(np.sqrt((error**2).mean()))
-        point["stderr"] = float(np.sqrt(((error * stderr) ** 2).sum()) / angles / point["error"])
+        point["error"], point["stderr"] = _root_mean_square(error, stderr)
         point["seconds"] = sum(as_point(r)["seconds"] for r in mine)
         points.append(point)
     model = [p for p in points if p["method"] != "simulate"]
@@ -107,10 +107,19 @@ def _floors_over_angles(floors: list[Floor]) -> list[Floor]:
     together = []
     for kind, model in dict.fromkeys((f.floor, f.model) for f in floors):
         mine = [f for f in floors if (f.floor, f.model) == (kind, model)]
-        value = float(np.sqrt(np.mean([f.relative_rmse**2 for f in mine])))
-        error = np.sqrt(sum((f.relative_rmse * f.stderr) ** 2 for f in mine))
-        together.append(Floor(0, kind, model, value, float(error / len(mine) / max(value, 1e-300))))
+        values, errors = (
+            np.array([getattr(f, n) for f in mine]) for n in ("relative_rmse", "stderr")
+        )
+        together.append(Floor(0, kind, model, *_root_mean_square(values, errors)))
     return together
+
+
+def _root_mean_square(values: Array, stderr: Array) -> tuple[float, float]:
+    """Root of the mean square, and its standard error; where all values are 0, as if all were the
+    same, which has no more."""
+    weights = values if values.any() else np.ones(len(values))
+    error = np.sqrt(((weights * stderr) ** 2).sum() / (weights**2).sum() / len(values))
+    return float(np.sqrt((values**2).mean())), float(error)
 
 
 def _times(points: list[Point]) -> tuple[float, float]:
@@ -153,7 +162,7 @@ def _draw_panel(
     axis.xaxis.set_minor_formatter(NullFormatter())
     axis.yaxis.set_major_locator(LogLocator(numticks=10))
     axis.set_xlabel("seconds, set-up included", labelpad=1)
-    named = {}
+    named: dict[str, tuple[float, str]] = {}
     for floor in floors:
         named |= _draw_floor(axis, floor)
     if large:
@@ -162,7 +171,8 @@ def _draw_panel(
 
 def _name(axis: Any, points: list[Point], floors: dict[str, tuple[float, str]]) -> None:
     """Each method's name at an end of its curve, and those of floors somewhere along them."""
-    curves, left, right = {}, *np.log10(axis.get_xlim())
+    curves: dict[str, tuple[Array, str]] = {}
+    left, right = np.log10(axis.get_xlim())
     lines = [np.transpose([(p["seconds"][1], max(p["error"], LEAST_ERROR)) for p in points])]
     for text, (y, colour) in floors.items():
         lines.append(np.array([np.logspace(left, right, 200), np.full(200, y)]))
@@ -209,7 +219,8 @@ def _draw_floor(axis: Any, floor: Floor) -> dict[str, tuple[float, str]]:
         low = max(value - 2 * floor.stderr, LEAST_ERROR)
         axis.axhline(value, color=SMITH, lw=1.6, ls="--", zorder=2)
         axis.axhspan(low, value + 2 * floor.stderr, color=SMITH, alpha=0.15, lw=0)
-        return {f"Smith model to surfaces: {value:.2g}": (shown, SMITH)}
+        known = f"{value:.2g}" if value > 0 else f"below {2 * floor.stderr:.2g}"
+        return {f"Smith model to surfaces: {known}": (shown, SMITH)}
     if floor.floor == "reference":
         axis.axhline(shown, color="0.4", lw=1.1, ls=":", zorder=2)
         below = ", below this edge" if value < LEAST_ERROR else ""
