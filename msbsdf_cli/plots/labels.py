@@ -4,8 +4,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from matplotlib.patheffects import withStroke
 
+from msbsdf_cli.plots.style import HALO
 from surfaces.facet import Array
 
 LETTER, LINE = 0.056, 0.15
@@ -43,7 +43,7 @@ def name_curves(axis: Any, curves: dict[str, tuple[Array, str]], around: Array) 
             name, curves[name][0][:, end[best]], (place - points[end[best]]) * 72, "data",
             "offset points", arrow if distance[best] > DISTANCES[1] else None,
             ha="center", va="center", fontsize=7, color=colour, zorder=6,
-            path_effects=[withStroke(linewidth=1.5, foreground="white")],
+            path_effects=HALO,
         )  # fmt: skip
 
 

@@ -79,11 +79,13 @@ def draw_methods(simulated: Lobes, modelled: list[Lobes], directory: Path) -> No
     columns = {name: slice(i, i + 1) for i, name in enumerate(simulated.names)}
     columns["all"] = slice(None)
     for side in range(len(simulated.sides)):
-        figure, axes = panels(len(simulated.theta), [2.0] * len(columns), 1.5, (0.45, 0.7))
+        figure, axes = panels(len(simulated.theta), [2.0] * len(columns), 1.5, (0.55, 0.55))
         for row, theta in enumerate(simulated.theta):
             for axis, (order, orders) in zip(axes[row], columns.items(), strict=True):
                 _methods_panel(axis, simulated, modelled, row, orders, side)
                 axis.set_title(f"light from {in_degrees(theta)}, order {order}   [1/sr]")
+        for axis in axes[-1]:
+            axis.set_xlabel("theta_o in the plane, degrees", labelpad=1)
         handles = method_lines(lobes.label for lobes in modelled)
         handles.append(Line2D([], [], color="0.1", marker="o", ms=2, ls="", label="simulated"))
         key(figure, handles)
@@ -94,7 +96,9 @@ def _methods_panel(
     axis: Any, simulated: Lobes, modelled: list[Lobes], row: int, orders: slice, side: int
 ) -> None:
     angle, values, errors = plane_of_incidence(simulated, row, orders, side)
-    axis.errorbar(angle, values, errors, fmt="o", ms=1.8, lw=0.7, color="0.1")
+    # Where no more than noise is known there is no point.
+    seen = values > errors
+    axis.errorbar(angle[seen], values[seen], errors[seen], fmt="o", ms=1.8, lw=0.7, color="0.1")
     largest, each = values.max(), len(modelled)
     for k, lobes in enumerate(modelled):
         angle, values, errors = plane_of_incidence(lobes, row, orders, side)
@@ -112,6 +116,7 @@ def _methods_panel(
         )
         largest = max(largest, values.max())
     _plane_axis(axis)
+    axis.set_xlabel("")
     axis.set_ylim(0, 1.15 * largest if largest > 0 else 1)
 
 
@@ -198,7 +203,7 @@ def row_title(lobes: Lobes, row: int, side: int) -> str:
 
 def grid(rows: int, maps: int) -> tuple[Any, Any]:
     """Axes for a slice and `maps` hemisphere maps in each row."""
-    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.2, 0.72), right=0.45)
+    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.2, 0.72), right=0.55)
 
 
 def map_trio(

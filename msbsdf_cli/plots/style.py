@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 from matplotlib.collections import QuadMesh
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.plots import FOR_PAGE, FORMAT, PAGE_OF
@@ -44,6 +45,8 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 DASHES = ("-", "--", "-.", ":")
 SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
 """Colours and markers of what is traced on explicit surfaces."""
+HALO = [withStroke(linewidth=1.5, foreground="white")]
+"""About text that stands on lines or pictures."""
 DOTS_PER_INCH = 130
 BOTH = "png", "svg"
 """What the page may show of a picture of lines: a bitmap where there are too many of them."""
