@@ -23,9 +23,9 @@ from msbsdf_cli.results.seal import RUN
 
 PAGE = "index.html"
 
-SVG_BYTES = 800_000
+SVG_BYTES = 700_000
 """Of all pictures of lines together; where there are more, the last ones are bitmaps."""
-PICTURES_BYTES = 1_200_000
+PICTURES_BYTES = 1_100_000
 """Of all pictures together: written as text they are a third more, and a page is below 2 MB."""
 
 BITMAP = b"<image"

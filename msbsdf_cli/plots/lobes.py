@@ -19,6 +19,7 @@ from msbsdf_cli.plots.style import (
     order_colour,
     panels,
     save,
+    short_ticks,
 )
 from msbsdf_cli.results.lobes import Lobes, plane_of_incidence
 from msbsdf_cli.scene import from_normal
@@ -116,6 +117,7 @@ def _methods_panel(
         )
         largest = max(largest, values.max())
     _plane_axis(axis)
+    short_ticks(axis)
     axis.set_xlabel("")
     axis.set_ylim(0, 1.15 * largest if largest > 0 else 1)
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.lines import Line2D
 
-from msbsdf_cli.plots.style import in_degrees, key, look, method_lines, panels, save
+from msbsdf_cli.plots.style import in_degrees, key, look, method_lines, panels, save, short_ticks
 from msbsdf_cli.results.files import Table
 from surfaces.facet import Array
 
@@ -32,6 +32,7 @@ def draw_slices(table: Table, path: Path) -> None:
             lines = [_channels(columns, here & (columns["method"] == m)) for m in methods]
             largest = max(_draw(axis, *pair) for pair in zip(lines, methods, turns, strict=True))
             axis.set_title(f"light from {in_degrees(theta)}, order {order}", pad=6 + 72 * raised)
+            short_ticks(axis)
             axis.set_ylim(0, 1.15 * largest if largest > 0 else 1)
             axis.set_xticks(TICKS[TRANSMITS if _transmits(lines) else 0])
             if raised:

@@ -13,6 +13,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.plots import FOR_PAGE, FORMAT, PAGE_OF
@@ -91,6 +92,12 @@ def look(name: str) -> dict[str, Any]:
     else:
         colour, marker = METHODS[name].traits.colour, METHODS[name].traits.marker
     return {"color": colour, "marker": marker}
+
+
+def short_ticks(axis: Any) -> None:
+    """Few numbers up the axis, as short as can be: none reaches into the panel to its left."""
+    axis.yaxis.set_major_locator(MaxNLocator(4))
+    axis.yaxis.set_major_formatter("{x:g}")
 
 
 def method_lines(names: Iterable[str]) -> list[Line2D]:

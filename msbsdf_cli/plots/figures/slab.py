@@ -15,7 +15,7 @@ def draw_wang_17(tables: Tables, directory: Path) -> None:
     table = tables["wang_17"]
     rows = [dict(zip(table, cells, strict=True)) for cells in zip(*table.values(), strict=True)]
     alphas = list(dict.fromkeys(r["alpha_x"] for r in rows))
-    figure, axes = panels(1, [2.2] * len(alphas), 2.2, (0.45, 0.4))
+    figure, axes = panels(1, [2.2] * len(alphas), 2.2, (0.2, 0.4), sharex=True, sharey=True)
     for axis, alpha in zip(axes[0], alphas, strict=True):
         for name in dict.fromkeys(r["method"] for r in rows):
             line = [r for r in rows if r["alpha_x"] == alpha and r["method"] == name]
