@@ -77,7 +77,8 @@ def _off(
 
 
 def _is_far(off: Array, stderr: Array) -> bool:
-    return bool((np.abs(off) - 3 * stderr > FAR).any())
+    # Five standard errors: there are hundreds of points, of which noise is to move none.
+    return bool((np.abs(off) - 5 * stderr > FAR).any())
 
 
 def _draw_far(axis: Any, curves: dict[str, Curve]) -> None:
