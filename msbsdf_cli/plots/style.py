@@ -122,7 +122,10 @@ def save(figure: Any, path: Path) -> None:
     """Write a PNG, or what is wanted instead, and free the figure. Beside it lies, until the page
     of the report is written, what is for that alone: a PNG, and an SVG of a picture of lines."""
     wanted = os.environ.get(FORMAT, "png")
-    maps = figure.findobj(lambda artist: isinstance(artist, (QuadMesh, AxesImage)))
+    # To seek with `findobj` makes every tick of every axis.
+    axes = [*figure.axes, *(inset for axis in figure.axes for inset in axis.child_axes)]
+    drawn = (artist for axis in axes for artist in (*axis.collections, *axis.images))
+    maps = [artist for artist in drawn if isinstance(artist, (QuadMesh, AxesImage))]
     for mesh in maps:
         # Dense maps are bitmaps in every format.
         mesh.set_rasterized(True)
