@@ -1,5 +1,6 @@
 """`msbsdf furnace`"""
 
+from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
@@ -68,7 +69,8 @@ def command(**options: Any) -> None:
         walks = options["samples"] * len(results) * len(scene.theta)
         more = {"summary": in_one_sentence(scene, results)}
         report.write(draft, {"furnace.csv": table}, walks, more=more)
-        pictures = [partial(draw_furnace, table, draft / "furnace.png")]
+        held = against(scene, methods)
+        pictures = [partial(draw_furnace, table, draft / "furnace.png", held)]
         if spheres:
             pictures.append(partial(draw_spheres, spheres, draft / "sphere.png"))
         do_all(pictures, options["threads"])
@@ -112,6 +114,13 @@ def not_reached(results: list[Any], accuracy: float) -> list[str]:
     ]
 
 
+def against(scene: Any, methods: Iterable[str]) -> str | None:
+    """What albedos are held against: 1, or, where facets absorb, the most trustworthy method."""
+    from msbsdf_cli.methods.registry import most_trusted
+
+    return most_trusted(methods) if scene.material.absorbs else None
+
+
 def in_one_sentence(scene: Any, results: list[Any]) -> str:
     """Where each method loses most light: of what comes in, or, where facets absorb, of what the
     most trustworthy one sends back."""
@@ -120,17 +129,16 @@ def in_one_sentence(scene: Any, results: list[Any]) -> str:
     import numpy as np
 
     from msbsdf_cli.cli.terminal import in_percent
-    from msbsdf_cli.methods.registry import most_trusted
     from msbsdf_cli.scene import in_degrees
 
-    against = most_trusted(r.method for r in results) if scene.material.absorbs else None
-    truth = {r.alpha: r for r in results if r.method == against}
+    trusted = against(scene, (r.method for r in results))
+    truth = {r.alpha: r for r in results if r.method == trusted}
     worst: dict[str, tuple[float, float, str]] = {}
-    for r in (r for r in results if r.method != against):
+    for r in (r for r in results if r.method != trusted):
         value, stderr = r.value[..., -1], r.stderr[..., -1]
         for place in np.ndindex(value.shape):
             whole, doubt = 1.0, 0.0
-            if against is not None:
+            if trusted is not None:
                 of = truth[r.alpha]
                 whole, doubt = float(of.value[place][-1]), float(of.stderr[place][-1])
             lost = 1 - float(value[place]) / whole
@@ -138,7 +146,7 @@ def in_one_sentence(scene: Any, results: list[Any]) -> str:
             alpha = ",".join(f"{a:g}" for a in dict.fromkeys(r.alpha))
             where = f"alpha {alpha}, theta {in_degrees(scene.theta[place[1]])}"
             worst[r.method] = max(worst.get(r.method, (-1.0, 0.0, "")), (lost, error, where))
-    of_what = f" of the light that {against} sends back" if against else ""
+    of_what = f" of the light that {trusted} sends back" if trusted else ""
     order = sorted(worst, key=lambda name: -worst[name][0])
     parts = [f"{name} {in_percent(*worst[name][:2])} ({worst[name][2]})" for name in order]
     return f"The most that each method loses{of_what}: {'; '.join(parts)}."

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from msbsdf_cli.plots import FORMAT
+from msbsdf_cli.plots import FORMAT, PAGE_OF
 from msbsdf_cli.results.files import (
     Table,
     json_text,
@@ -83,8 +83,9 @@ class Report(Part):
         from msbsdf_cli.pages.page import write_page
 
         wanted = self.place.out
-        with _format(self.options["format"]), self.place.draft() as draft:
-            yield draft
+        with self.place.draft() as draft:
+            with _environment({FORMAT: self.options["format"], PAGE_OF: str(draft)}):
+                yield draft
             write_page(draft)
         if self.place.out != wanted:
             click.echo(
@@ -107,14 +108,14 @@ class Report(Part):
 
 
 @contextmanager
-def _format(name: str) -> Iterator[None]:
-    """Pictures are of this format, in processes that are started too."""
-    before = os.environ.get(FORMAT)
-    os.environ[FORMAT] = name
+def _environment(wanted: dict[str, str]) -> Iterator[None]:
+    """What pictures are to be, for processes that are started too."""
+    before = {name: os.environ.get(name) for name in wanted}
+    os.environ.update(wanted)
     try:
         yield
     finally:
-        if before is None:
-            del os.environ[FORMAT]
-        else:
-            os.environ[FORMAT] = before
+        for name, value in before.items():
+            os.environ.pop(name)
+            if value is not None:
+                os.environ[name] = value

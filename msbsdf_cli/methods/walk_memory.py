@@ -34,7 +34,7 @@ class WalkMemory(FollowsPaths):
     name = "walk-memory"
     traits = Traits(
         "#6a3d9a",
-        "*",
+        ">",
         model="memory",
         reciprocal=False,
         smith_first=False,

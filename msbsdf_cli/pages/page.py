@@ -18,12 +18,18 @@ from jinja2 import Environment, PackageLoader, Template, select_autoescape
 
 from msbsdf_cli.pages.captions import CAPTIONS
 from msbsdf_cli.pages.citations import papers
+from msbsdf_cli.plots import FOR_PAGE
 from msbsdf_cli.results.seal import RUN
 
 PAGE = "index.html"
 
-PICTURES_BYTES = 1_200_000
+SVG_BYTES = 700_000
+"""Of all pictures of lines together; where there are more, the last ones are bitmaps."""
+PICTURES_BYTES = 1_100_000
 """Of all pictures together: written as text they are a third more, and a page is below 2 MB."""
+
+BITMAP = b"<image"
+"""In an SVG of a dense map."""
 
 ROWS = 40
 """Of a table; the rest is in its file."""
@@ -99,12 +105,32 @@ def _words(values: dict[str, Any]) -> dict[str, str]:
 
 
 def _pictures(directory: Path) -> tuple[list[Picture], list[Picture]]:
-    """The pictures of the report, and those of single angles, which a slider turns over."""
-    paths = [p for p in directory.iterdir() if p.suffix in (".png", ".svg")]
-    paths = sorted(paths, key=lambda p: (_place(p.stem), p.stem))
-    scale = PICTURES_BYTES / max(sum(p.stat().st_size for p in paths), 1)
-    all_ = [Picture(p.name, _source(p, scale), CAPTIONS.get(_kind(p.stem), "")) for p in paths]
+    """The pictures of the report, and those of single angles, which a slider turns over: lines as
+    SVG and what is left as PNG, which can be packed."""
+    files: dict[str, dict[str, Path]] = {}
+    names: dict[str, str] = {}
+    for path in directory.iterdir():
+        if path.suffix in (".png", ".svg", ".pdf"):
+            stem = path.stem.removesuffix(FOR_PAGE)
+            files.setdefault(stem, {})[path.suffix] = path
+            if stem == path.stem:
+                names[stem] = path.name
+    paths, room = {}, SVG_BYTES
+    for stem in sorted(files, key=lambda stem: (_place(stem), stem)):
+        svg = files[stem].get(".svg")
+        drawn = svg.read_bytes() if svg else b""
+        paths[stem] = files[stem][".png"]
+        if svg and BITMAP not in drawn and len(drawn) <= room:
+            paths[stem], room = svg, room - len(drawn)
+    bitmaps = sum(p.stat().st_size for p in paths.values() if p.suffix == ".png")
+    scale = (PICTURES_BYTES - SVG_BYTES + room) / max(bitmaps, 1)
+    all_ = [
+        Picture(names[stem], _source(path, scale), CAPTIONS.get(_kind(stem), ""))
+        for stem, path in paths.items()
+    ]
     slides = [picture for picture in all_ if _kind(Path(picture.name).stem) == SLIDES]
+    for path in directory.glob(f"*{FOR_PAGE}.*"):
+        path.unlink()
     return [p for p in all_ if p not in slides], slides
 
 

@@ -39,7 +39,7 @@ def draw_agreement(rows: list[Any], path: Path) -> None:
         lower.set_xlabel("order" + (" (t: transmitted)" if any("t" in n for n in labels) else ""))
     axes[0, 0].set_ylabel("energy, fraction of the incident")
     axes[1, 0].set_ylabel("modelled - simulated")
-    axes[0, -1].legend(loc="upper right")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper left", ncols=2)
     words = "Bars: two standard errors. Beside the differences: z."
     figure.text(0.01, 0.01, words, fontsize=6, color="0.35")
     save(figure, path)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.plots.style import COLOURS, in_degrees, panels, save
+from msbsdf_cli.plots.style import COLOURS, in_degrees, panels, save, short_ticks
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.statistics.tally import Estimate
 from surfaces.facet import Array
@@ -66,4 +66,5 @@ def _panel(axis: Any, edges: Array, simulated: Estimate | None, modelled: Estima
         # The last bin holds those that escaped.
         escapes.append(f"{found.value[-1]:.3f}")
     axis.set_ylim(bottom=0)
+    short_ticks(axis)
     return " / ".join(escapes) + " escape"

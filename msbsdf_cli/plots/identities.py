@@ -62,7 +62,7 @@ def _quantiles(axis: Any, noisy: list[Any]) -> None:
     axis.set_xlabel("what chance would give")
     axis.set_ylabel("z-score of the measurement")
     axis.set_title("all of them, sorted")
-    axis.legend(loc="lower right")
+    axis.legend(loc="lower right", bbox_to_anchor=(1, 0.12))
 
 
 def _level(noisy: list[Any]) -> float:
@@ -126,7 +126,7 @@ def draw_reciprocity(rows: list[Any], path: Path) -> None:
         axis.axvline(row.finding.evidence.measured, color=COLOURS[1], lw=1, label="mean")
         axis.locator_params(axis="x", nbins=5)
         axis.set_title(f"{c.method}, {c.slopes.name}\n{row.verdict}")
-        axis.set_xlabel("f(i, o) - f(o, i), orders 2 and later")
+        axis.set_xlabel("f(i, o) - f(o, i), orders 2 and later  [1/sr]\n(tails in the outer bars)")
     axes[0, 0].set_ylabel("pairs of directions")
     axes[0, 0].legend(loc="upper left")
     save(figure, path)

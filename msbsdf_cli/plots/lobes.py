@@ -11,7 +11,16 @@ from matplotlib.colors import PowerNorm, SymLogNorm
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from msbsdf_cli.plots.style import in_degrees, method_look, order_colour, panels, save
+from msbsdf_cli.plots.style import (
+    in_degrees,
+    key,
+    look,
+    method_lines,
+    order_colour,
+    panels,
+    save,
+    short_ticks,
+)
 from msbsdf_cli.results.lobes import Lobes, plane_of_incidence
 from msbsdf_cli.scene import from_normal
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes, merge_bins, spread_bins
@@ -71,14 +80,16 @@ def draw_methods(simulated: Lobes, modelled: list[Lobes], directory: Path) -> No
     columns = {name: slice(i, i + 1) for i, name in enumerate(simulated.names)}
     columns["all"] = slice(None)
     for side in range(len(simulated.sides)):
-        figure, axes = panels(len(simulated.theta), [2.0] * len(columns), 1.5, (0.45, 0.7))
+        figure, axes = panels(len(simulated.theta), [2.0] * len(columns), 1.5, (0.55, 0.55))
         for row, theta in enumerate(simulated.theta):
             for axis, (order, orders) in zip(axes[row], columns.items(), strict=True):
                 _methods_panel(axis, simulated, modelled, row, orders, side)
                 axis.set_title(f"light from {in_degrees(theta)}, order {order}   [1/sr]")
-        handles = [Line2D([], [], **method_look(k), label=m.label) for k, m in enumerate(modelled)]
+        for axis in axes[-1]:
+            axis.set_xlabel("theta_o in the plane, degrees", labelpad=1)
+        handles = method_lines(lobes.label for lobes in modelled)
         handles.append(Line2D([], [], color="0.1", marker="o", ms=2, ls="", label="simulated"))
-        figure.legend(handles=handles, loc="upper left", ncols=5)
+        key(figure, handles)
         save(figure, directory / ("methods_transmitted.png" if side else "methods.png"))
 
 
@@ -86,7 +97,9 @@ def _methods_panel(
     axis: Any, simulated: Lobes, modelled: list[Lobes], row: int, orders: slice, side: int
 ) -> None:
     angle, values, errors = plane_of_incidence(simulated, row, orders, side)
-    axis.errorbar(angle, values, errors, fmt="o", ms=1.8, lw=0.7, color="0.1")
+    # Where no more than noise is known there is no point.
+    seen = values > errors
+    axis.errorbar(angle[seen], values[seen], errors[seen], fmt="o", ms=1.8, lw=0.7, color="0.1")
     largest, each = values.max(), len(modelled)
     for k, lobes in enumerate(modelled):
         angle, values, errors = plane_of_incidence(lobes, row, orders, side)
@@ -95,13 +108,17 @@ def _methods_panel(
             angle,
             values,
             errors,
-            **method_look(k),
+            **look(lobes.label),
+            ms=2.5,
             lw=0.9,
             elinewidth=0.6,
             errorevery=(k, 4 * each),
+            markevery=(k, 4 * each),
         )
         largest = max(largest, values.max())
     _plane_axis(axis)
+    short_ticks(axis)
+    axis.set_xlabel("")
     axis.set_ylim(0, 1.15 * largest if largest > 0 else 1)
 
 
@@ -188,7 +205,7 @@ def row_title(lobes: Lobes, row: int, side: int) -> str:
 
 def grid(rows: int, maps: int) -> tuple[Any, Any]:
     """Axes for a slice and `maps` hemisphere maps in each row."""
-    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.2, 0.72), right=0.45)
+    return panels(rows, [2.3] + [1.45] * maps, 1.45, gap=(0.2, 0.72), right=0.55)
 
 
 def map_trio(

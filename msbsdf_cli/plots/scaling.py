@@ -7,8 +7,7 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 
 from msbsdf_cli.experiments.tradeoff.scaling import Scaling
-from msbsdf_cli.plots.style import in_degrees, panels, save
-from msbsdf_cli.plots.tradeoff import look
+from msbsdf_cli.plots.style import in_degrees, key, look, method_lines, panels, save
 
 AXES = {
     "samples": "walks",
@@ -21,7 +20,7 @@ AXES = {
 def draw_scaling(rows: list[Scaling], path: Path) -> None:
     """A column for each parameter: seconds above, and below what they buy. Times are those after
     set-up, with quartiles; over samples at the first angle."""
-    figure, axes = panels(2, [2.5] * len(AXES), 2.1, (0.55, 0.6))
+    figure, axes = panels(2, [2.5] * len(AXES), 2.1, (0.75, 0.6))
     for column, (parameter, label) in enumerate(AXES.items()):
         mine = [r for r in rows if r.parameter == parameter]
         first = next((r.theta_i_rad for r in mine), 0.0)
@@ -33,6 +32,7 @@ def draw_scaling(rows: list[Scaling], path: Path) -> None:
             _draw_worth(lower, line, parameter)
         for axis in (upper, lower):
             axis.set_xscale("log", base=10 if parameter in ("samples", "roughness") else 2)
+            axis.yaxis.set_minor_formatter(NullFormatter())
             axis.xaxis.set_minor_formatter(NullFormatter())
             axis.set_xlabel(label, labelpad=1)
         upper.set_yscale("log")
@@ -44,11 +44,7 @@ def draw_scaling(rows: list[Scaling], path: Path) -> None:
             )
         )
     axes[0, 0].set_ylabel("seconds")
-    handles: dict[str, Any] = {}
-    for axis in axes.flat:
-        lines, names = axis.get_legend_handles_labels()
-        handles |= dict(zip(names, lines, strict=True))
-    figure.legend(handles.values(), handles.keys(), loc="upper left", ncols=5)
+    key(figure, method_lines(r.method for r in rows))
     save(figure, path)
 
 
@@ -59,23 +55,19 @@ def _cheapest_of_each(rows: list[Scaling]) -> list[Scaling]:
 
 
 def _draw_times(axis: Any, line: list[Scaling]) -> None:
-    colour, marker = look(line[0].method)
     y = np.array([r.seconds for r in line])
     low, high = (np.array([getattr(r, f"seconds_{end}") for r in line]) for end in ("low", "high"))
     axis.errorbar(
         [r.value for r in line],
         y,
         [np.maximum(y - low, 0), np.maximum(high - y, 0)],
-        fmt=marker + "-",
         ms=3.5,
-        color=colour,
         elinewidth=0.7,
-        label=line[0].method,
+        **look(line[0].method),
     )
 
 
 def _draw_worth(axis: Any, line: list[Scaling], parameter: str) -> None:
-    colour, marker = look(line[0].method)
     x = np.array([r.value for r in line])
     seconds = np.array([r.seconds for r in line])
     if parameter == "threads":
@@ -88,4 +80,4 @@ def _draw_worth(axis: Any, line: list[Scaling], parameter: str) -> None:
         error = np.minimum([r.relative_rmse_stderr for r in line], 0.9 * y)
     # Errors and ratios near 1 are noise: a line through them would show more than is known.
     joined = "-" if parameter == "threads" else ""
-    axis.errorbar(x, y, error, fmt=marker + joined, ms=3.5, color=colour, elinewidth=0.7)
+    axis.errorbar(x, y, error, ms=3.5, elinewidth=0.7, **look(line[0].method), ls=joined)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.lines import Line2D
 
-from msbsdf_cli.plots.style import in_degrees, method_look, panels, save
+from msbsdf_cli.plots.style import in_degrees, key, look, method_lines, panels, save, short_ticks
 from msbsdf_cli.results.files import Table
 from surfaces.facet import Array
 
@@ -21,25 +21,29 @@ def draw_slices(table: Table, path: Path) -> None:
     angles, orders, methods = (
         list(dict.fromkeys(table[name])) for name in ("theta_i_rad", "order", "method")
     )
-    figure, axes = panels(len(angles), [2.0] * len(orders), 1.5, (0.45, 0.75))
+    raised = 0.07 * len(methods) if len(set(table["channel"])) == len(RGB) else 0.0
+    figure, axes = panels(len(angles), [2.0] * len(orders), 1.5, (0.52, 0.55 + raised))
+    # Each method's bars are elsewhere: bands would hide one another.
+    turns = [(k, len(methods)) for k in range(len(methods))]
     for i, theta in enumerate(angles):
         for j, order in enumerate(orders):
             axis = axes[i, j]
             here = (columns["theta_i_rad"] == theta) & (columns["order"] == order)
             lines = [_channels(columns, here & (columns["method"] == m)) for m in methods]
-            largest = max(_draw(axis, line, k, len(methods)) for k, line in enumerate(lines))
-            colours = len(lines[0].value) == len(RGB)
-            pad = 6 + 5 * len(lines) * colours
-            axis.set_title(f"light from {in_degrees(theta)}, order {order}", pad=pad)
+            largest = max(_draw(axis, *pair) for pair in zip(lines, methods, turns, strict=True))
+            axis.set_title(f"light from {in_degrees(theta)}, order {order}", pad=6 + 72 * raised)
+            short_ticks(axis)
             axis.set_ylim(0, 1.15 * largest if largest > 0 else 1)
             axis.set_xticks(TICKS[TRANSMITS if _transmits(lines) else 0])
-            if colours:
+            if raised:
                 _swatches(axis, lines)
             if i == len(angles) - 1:
                 axis.set_xlabel("angle from the zenith, degrees")
         axes[i, 0].set_ylabel("BSDF x cos(theta_o)  [1/sr]")
-    handles = [Line2D([], [], **method_look(m), label=method) for m, method in enumerate(methods)]
-    figure.legend(handles=handles, loc="upper left", ncols=4)
+    handles = method_lines(methods)
+    if raised:
+        handles.append(Line2D([], [], ls="", label="strips: colour of that light, in this order"))
+    key(figure, handles, raised)
     save(figure, path)
 
 
@@ -80,7 +84,7 @@ def _transmits(lines: list[Line]) -> bool:
     return any(line.angle.size and np.abs(line.angle).max() > 90 for line in lines)
 
 
-def _draw(axis: Any, line: Line, method: int, methods: int) -> float:
+def _draw(axis: Any, line: Line, method: str, turn: tuple[int, int]) -> float:
     """Draw the luminance, or the one channel that there is; its largest value."""
     if line.angle.size == 0:
         return 0.0
@@ -89,10 +93,9 @@ def _draw(axis: Any, line: Line, method: int, methods: int) -> float:
     # Channels follow the same paths: their errors go together.
     bars = 2 * weights @ line.stderr
     every = max(line.angle.size // 12, 1)
-    # Each method's bars are elsewhere: bands would hide one another.
-    first = method * every // methods
-    look = method_look(method)
-    axis.errorbar(line.angle, value, bars, **look, elinewidth=0.6, errorevery=(first, every))
+    place = turn[0] * every // turn[1], every
+    here = {"errorevery": place, "markevery": place}
+    axis.errorbar(line.angle, value, bars, **look(method), ms=3, elinewidth=0.6, **here)
     return float(value.max())
 
 

@@ -29,7 +29,9 @@ def draw_spectra(
     number = len(surfaces)
     columns = min(number, 4)
     strips = -(-number // columns)
-    figure = plt.figure(figsize=(2.2 * columns, 0.85 * strips + 3.2), layout="constrained")
+    size = max(2.2 * columns, 6.2), 0.85 * strips + 3.4
+    figure = plt.figure(figsize=size, layout="constrained")
+    figure.suptitle(_title(alpha), fontsize=8)
     grid = figure.add_gridspec(strips + 1, columns, height_ratios=[*(0.85,) * strips, 3.2])
     chart = figure.add_subplot(grid[-1, :])
     every = []
@@ -46,7 +48,7 @@ def draw_spectra(
     chart.xaxis.set_major_formatter(lambda x, _: in_degrees(x))
     chart.set_xlabel("light from")
     chart.set_ylabel("Smith's energy of multiple bounces\nis too high by, % (bars: 1 std. error)")
-    chart.legend(ncols=number, loc="lower left", bbox_to_anchor=(0, 1), title=_title(alpha))
+    chart.legend(ncols=columns, loc="lower left", bbox_to_anchor=(0, 1))
     save(figure, path)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import Patch, Rectangle
 
-from msbsdf_cli.plots.style import panels, save
+from msbsdf_cli.plots.style import in_degrees, key, panels, save
 
 LOOKS = {
     "works": ("#dcefe6", ""),
@@ -21,7 +21,9 @@ LOOKS = {
 WORST = ("fails", "degraded", "unknown", "works", "refused")
 """Of several materials and slopes a cell shows the worst; what is refused is no fault."""
 
-SHORT = {"uniform numbers": "uniform", "around the horizon": "around", "near 1": "~1"}
+SHORT = {"uniform numbers": "uniform", "around the horizon": "around", "near 1": "~1"} | {
+    angle: f"{angle} [rad]" for angle in ("theta", "phi")
+}
 
 Line = tuple[str, float | None]
 """A row of the map: parameter, and the angle of incidence where it is no value itself."""
@@ -60,7 +62,7 @@ def _draw_maps(
         Patch(facecolor=fill, edgecolor="0.3", hatch=hatch, label=name)
         for name, (fill, hatch) in LOOKS.items()
     ]
-    figure.legend(handles=handles, loc="upper left", ncols=len(handles))
+    key(figure, handles)
     save(figure, path)
 
 
@@ -114,7 +116,7 @@ def _draw_map(
 
 def _angle(theta: float) -> str:
     below = np.pi / 2 - theta
-    return "horizon" if below < 1e-12 else f"{theta:.5g}"
+    return "horizon" if below < 1e-12 else in_degrees(theta)
 
 
 def _text(value: Any) -> str:

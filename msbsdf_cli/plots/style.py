@@ -1,7 +1,7 @@
 """How pictures look: for print, and told apart without colour where it matters."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +10,13 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.collections import QuadMesh
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
-from msbsdf_cli.plots import FORMAT
+from msbsdf_cli.methods.registry import METHODS
+from msbsdf_cli.plots import FOR_PAGE, FORMAT, PAGE_OF
 from msbsdf_cli.scene import in_degrees as in_degrees
 
 plt.rcParams.update(
@@ -31,13 +36,21 @@ plt.rcParams.update(
         "axes.axisbelow": True,
         "lines.linewidth": 1.1,
         "legend.frameon": False,
+        # Equal pictures are equal files.
+        "svg.hashsalt": "msbsdf",
     }
 )
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Wong's palette, told apart by colour-blind eyes; one for each order."""
 DASHES = ("-", "--", "-.", ":")
+SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
+"""Colours and markers of what is traced on explicit surfaces."""
+HALO = [withStroke(linewidth=1.5, foreground="white")]
+"""About text that stands on lines or pictures."""
 DOTS_PER_INCH = 130
+BOTH = "png", "svg"
+"""What the page may show of a picture of lines: a bitmap where there are too many of them."""
 
 
 def panels(
@@ -72,19 +85,53 @@ def order_colour(index: int) -> str:
     return COLOURS[index % len(COLOURS)]
 
 
-def method_look(index: int) -> dict[str, Any]:
-    """Colour and dashes of the line of the method in place `index`."""
-    return {"color": order_colour(index), "ls": DASHES[index // len(COLOURS)]}
+def look(name: str) -> dict[str, Any]:
+    """Colour and marker of the line of a method, or of `simulate`, the same on every chart."""
+    if name not in METHODS:
+        colour, marker = SIMULATED[0].get(name, SIMULATED[1])
+    else:
+        colour, marker = METHODS[name].traits.colour, METHODS[name].traits.marker
+    return {"color": colour, "marker": marker}
+
+
+def short_ticks(axis: Any) -> None:
+    """Few numbers up the axis, as short as can be: none reaches into the panel to its left."""
+    axis.yaxis.set_major_locator(MaxNLocator(4))
+    axis.yaxis.set_major_formatter("{x:g}")
+
+
+def method_lines(names: Iterable[str]) -> list[Line2D]:
+    """A line of each method, for a legend."""
+    return [Line2D([], [], label=name, **look(name)) for name in dict.fromkeys(names)]
+
+
+def key(figure: Any, handles: Sequence[Any], raised: float = 0) -> None:
+    """A legend above all panels in as many columns as fit; the figure grows where it has more than
+    the two lines that `panels` leaves room for, and where titles are raised by some inches."""
+    longest = max(len(handle.get_label()) for handle in handles)
+    columns = max(1, int(figure.get_figwidth() / (0.45 + 0.055 * longest)))
+    figure.legend(handles=handles, loc="upper left", ncols=columns)
+    height, edges = figure.get_figheight(), figure.subplotpars
+    more = raised + 0.155 * max(-(-len(handles) // columns) - 2, 0)
+    figure.set_figheight(height + more)
+    bottom, top = (edge * height / (height + more) for edge in (edges.bottom, edges.top))
+    figure.subplots_adjust(bottom=bottom, top=top)
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write a PNG, or what is wanted instead, and free the figure; beside a PDF, which no page can
-    show, a PNG too. Dense maps are bitmaps in every format."""
+    """Write a PNG, or what is wanted instead, and free the figure. Beside it lies, until the page
+    of the report is written, what is for that alone: a PNG, and an SVG of a picture of lines."""
     wanted = os.environ.get(FORMAT, "png")
-    # A PNG is a bitmap anyway, and to seek maps makes every tick of every axis.
-    for mesh in figure.findobj(QuadMesh) if wanted != "png" else ():
+    # To seek with `findobj` makes every tick of every axis.
+    axes = [*figure.axes, *(inset for axis in figure.axes for inset in axis.child_axes)]
+    drawn = (artist for axis in axes for artist in (*axis.collections, *axis.images))
+    maps = [artist for artist in drawn if isinstance(artist, (QuadMesh, AxesImage))]
+    for mesh in maps:
+        # Dense maps are bitmaps in every format.
         mesh.set_rasterized(True)
-    for suffix in {"pdf": ("pdf", "png")}.get(wanted, (wanted,)):
-        place = path.with_suffix(f".{suffix}")
-        figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white")
+    in_page = () if os.environ.get(PAGE_OF) != str(path.parent) else ("png",) if maps else BOTH
+    for suffix in dict.fromkeys((wanted, *in_page)):
+        place = path.with_suffix(f".{suffix}" if suffix == wanted else f"{FOR_PAGE}.{suffix}")
+        made = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+        figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white", metadata=made)
     plt.close(figure)

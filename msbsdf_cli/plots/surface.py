@@ -6,7 +6,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from msbsdf_cli.plots.style import save
+from msbsdf_cli.plots.style import HALO, save
 from surfaces.facet import Array
 from surfaces.periodic import meet, next_triangle
 from surfaces.stretch import Stretch
@@ -35,8 +35,9 @@ def draw_surface(
     lamp = {"arrowstyle": "->", "color": "#d55e00", "lw": 1.5}
     left.annotate("", (0.84, 0.86), (0.98, 0.98), "axes fraction", arrowprops=lamp)
     left.text(
-        0.83, 0.93, "light", transform=left.transAxes, ha="right", fontsize=7, color="#d55e00"
-    )
+        0.83, 0.93, "light", transform=left.transAxes, ha="right", fontsize=7, color="#d55e00",
+        path_effects=HALO,
+    )  # fmt: skip
     picture = right.imshow(
         _heights(surface, stretch, width),
         origin="lower",
@@ -62,7 +63,7 @@ def _round(length: float) -> float:
 def _scale_bar(axis: Any, pixels: float, length: float, rows: int) -> None:
     axis.plot([8, 8 + pixels], [rows - 10] * 2, color="#d55e00", lw=2.5, solid_capstyle="butt")
     words = f"{length:g} standard deviations of height"
-    axis.text(8, rows - 15, words, color="#d55e00", fontsize=7, va="bottom")
+    axis.text(8, rows - 15, words, color="#d55e00", fontsize=7, va="bottom", path_effects=HALO)
 
 
 def _heights(surface: Surface, stretch: Stretch, width: float) -> Array:

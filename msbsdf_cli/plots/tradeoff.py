@@ -11,21 +11,13 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from msbsdf_cli.experiments.tradeoff.floors import Floor
 from msbsdf_cli.experiments.tradeoff.rows import Row
-from msbsdf_cli.methods.registry import METHODS
-from msbsdf_cli.plots.style import in_degrees, save
+from msbsdf_cli.plots.labels import LETTER, name_curves
+from msbsdf_cli.plots.style import in_degrees, look, save
+from surfaces.facet import Array
 
-SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
-"""Colours and markers of what is traced on explicit surfaces."""
-
-
-def look(method: str) -> tuple[str, str]:
-    """Colour and marker of a method, or of `simulate`, the same on every chart."""
-    if method not in METHODS:
-        return SIMULATED[0].get(method, SIMULATED[1])
-    traits = METHODS[method].traits
-    return traits.colour, traits.marker
-
-
+SMITH = "#b2182b"
+WIDTH = 5.45
+"""Inches of the large panel."""
 LEAST_ERROR = 1e-5
 """Errors below are drawn at the lower edge: they do not matter, and the others need the room."""
 
@@ -38,26 +30,37 @@ def draw_tradeoff(
 ) -> None:
     """A large panel over all angles and a small one for each, times of both axes with set-up."""
     angles = list(dict.fromkeys(r.theta_i_rad for r in rows))
-    columns = max(1, -(-len(angles) // 2))
-    figure = plt.figure(figsize=(6.2 + 2.5 * columns, 5.6))
-    left = 6.0 / (6.2 + 2.5 * columns)
-    main = figure.add_gridspec(1, 1, left=0.09 * left / 0.6, right=left, bottom=0.09, top=0.84)
-    small = figure.add_gridspec(
-        2, columns, left=left + 0.055, right=0.985, bottom=0.09, top=0.84, hspace=0.3, wspace=0.22
-    )
-    axis = figure.add_subplot(main[0])
     together = over_angles(rows, len(angles))
-    limits = _limits(rows, floors)
+    points = {theta: [as_point(r) for r in rows if r.theta_i_rad == theta] for theta in angles}
+    times = _times([*together, *(p for mine in points.values() for p in mine)])
+    limits = times + _errors(rows, floors)
+    small = [] if len(angles) == 1 else angles
+    columns = -(-len(small) // 2)
+    width = 6.4 + 2.3 * columns
+    figure = plt.figure(figsize=(width, 5.2))
+    edges = {"bottom": 0.09, "top": 0.89}
+    main = figure.add_gridspec(1, 1, left=0.75 / width, right=(0.75 + WIDTH) / width, **edges)
+    axis = figure.add_subplot(main[0])
     _draw_panel(axis, together, _floors_over_angles(floors), limits, large=True)
-    axis.set_title(f"all {len(angles)} angles: root mean square error, sum of times")
+    axis.set_title(
+        f"all {len(angles)} angles: root mean square error, sum of times"
+        if small
+        else f"light from {in_degrees(angles[0])}"
+    )
     axis.set_ylabel(f"relative RMSE of {quantity}")
-    for i, theta in enumerate(angles):
-        panel = figure.add_subplot(small[i % 2, i // 2])
-        mine = [as_point(r) for r in rows if r.theta_i_rad == theta]
-        mine_floors = [f for f in floors if f.theta_i_rad == theta]
-        _draw_panel(panel, mine, mine_floors, limits, large=False)
+    if small:
+        grid = {"left": 6.75 / width, "right": 1 - 0.15 / width, "hspace": 0.15, "wspace": 0.1}
+        places = figure.add_gridspec(2, columns, **grid, **edges)
+    for i, theta in enumerate(small):
+        panel = figure.add_subplot(places[i % 2, i // 2])
+        mine = [f for f in floors if f.theta_i_rad == theta]
+        _draw_panel(panel, points[theta], mine, limits, large=False)
         panel.set_title(f"light from {in_degrees(theta)}")
-    _legend(figure, rows)
+        panel.tick_params(labelleft=i < 2)
+        if i % 2 == 0 and i + 1 < len(small):
+            panel.set_xlabel("")
+            panel.tick_params(labelbottom=False)
+    _legend(figure)
     save(figure, path)
 
 
@@ -90,8 +93,7 @@ def over_angles(rows: Sequence[Row], angles: int) -> list[Point]:
         point = as_point(mine[0])
         error = np.array([r.relative_rmse for r in mine])
         stderr = np.array([r.relative_rmse_stderr for r in mine])
-        point["error"] = float(np.sqrt((error**2).mean()))
-        point["stderr"] = float(np.sqrt(((error * stderr) ** 2).sum()) / angles / point["error"])
+        point["error"], point["stderr"] = _root_mean_square(error, stderr)
         point["seconds"] = sum(as_point(r)["seconds"] for r in mine)
         points.append(point)
     model = [p for p in points if p["method"] != "simulate"]
@@ -105,14 +107,29 @@ def _floors_over_angles(floors: list[Floor]) -> list[Floor]:
     together = []
     for kind, model in dict.fromkeys((f.floor, f.model) for f in floors):
         mine = [f for f in floors if (f.floor, f.model) == (kind, model)]
-        value = float(np.sqrt(np.mean([f.relative_rmse**2 for f in mine])))
-        error = np.sqrt(sum((f.relative_rmse * f.stderr) ** 2 for f in mine))
-        together.append(Floor(0, kind, model, value, float(error / len(mine) / max(value, 1e-300))))
+        values, errors = (
+            np.array([getattr(f, n) for f in mine]) for n in ("relative_rmse", "stderr")
+        )
+        together.append(Floor(0, kind, model, *_root_mean_square(values, errors)))
     return together
 
 
-def _limits(rows: list[Row], floors: list[Floor]) -> tuple[float, float]:
-    """Of the errors: the same on all charts that have floors, those of the rows elsewhere."""
+def _root_mean_square(values: Array, stderr: Array) -> tuple[float, float]:
+    """Root of the mean square, and its standard error; where all values are 0, as if all were the
+    same, which has no more."""
+    weights = values if values.any() else np.ones(len(values))
+    error = np.sqrt(((weights * stderr) ** 2).sum() / (weights**2).sum() / len(values))
+    return float(np.sqrt((values**2).mean())), float(error)
+
+
+def _times(points: list[Point]) -> tuple[float, float]:
+    """Limits of the times of all panels, from what is least without set-up."""
+    least = min(float(p["seconds"][1 if p["setup_s"] else 0]) for p in points)
+    return least / 1.5, 1.5 * max(float(p["seconds"][2]) + p["setup_s"] for p in points)
+
+
+def _errors(rows: list[Row], floors: list[Floor]) -> tuple[float, float]:
+    """Limits of the errors: the same on all charts with floors, those of the rows elsewhere."""
     if floors:
         return LEAST_ERROR * 0.7, 2.0
     errors = [r.relative_rmse for r in rows]
@@ -123,7 +140,7 @@ def _draw_panel(
     axis: Any,
     points: list[Point],
     floors: list[Floor],
-    limits: tuple[float, float],
+    limits: tuple[float, ...],
     large: bool,
 ) -> None:
     size = 5 if large else 3
@@ -140,17 +157,38 @@ def _draw_panel(
     axis.scatter(x, y, s=130 if large else 45, facecolor="none", edgecolor="0.2", lw=0.9, zorder=4)
     axis.set_xscale("log")
     axis.set_yscale("log")
-    axis.set_ylim(*limits)
-    if not large:
-        axis.xaxis.set_minor_formatter(NullFormatter())
+    axis.set_xlim(*limits[:2])
+    axis.set_ylim(*limits[2:])
+    axis.xaxis.set_minor_formatter(NullFormatter())
     axis.yaxis.set_major_locator(LogLocator(numticks=10))
-    axis.set_xlabel("seconds, set-up included" if large else "seconds", labelpad=1)
+    axis.set_xlabel("seconds, set-up included", labelpad=1)
+    named: dict[str, tuple[float, str]] = {}
     for floor in floors:
-        _draw_floor(axis, floor, large)
+        named |= _draw_floor(axis, floor)
+    if large:
+        _name(axis, points, named)
+
+
+def _name(axis: Any, points: list[Point], floors: dict[str, tuple[float, str]]) -> None:
+    """Each method's name at an end of its curve, and those of floors somewhere along them."""
+    curves: dict[str, tuple[Array, str]] = {}
+    left, right = np.log10(axis.get_xlim())
+    lines = [np.transpose([(p["seconds"][1], max(p["error"], LEAST_ERROR)) for p in points])]
+    for text, (y, colour) in floors.items():
+        lines.append(np.array([np.logspace(left, right, 200), np.full(200, y)]))
+        # Half of the text is to either side.
+        inset = (0.6 * LETTER * len(text)) / WIDTH * (right - left)
+        curves[text] = np.array([10.0 ** np.array([left + inset, right - inset]), [y, y]]), colour
+    for method in dict.fromkeys(p["method"] for p in points):
+        mine = [p for p in points if p["method"] == method]
+        x, y = np.transpose([(p["seconds"][1] + p["setup_s"], p["error"]) for p in mine])
+        curves[method] = np.array([x, np.maximum(y, LEAST_ERROR)]), look(method)["color"]
+    name_curves(axis, curves, np.concatenate(lines, axis=1))
 
 
 def _draw_method(axis: Any, method: str, points: list[Point], size: float) -> None:
-    colour, marker = look(method)
+    style = look(method)
+    colour, marker = style["color"], style["marker"]
     x = np.array([p["seconds"] + p["setup_s"] for p in points]).T
     y = np.array([p["error"] for p in points])
     low = np.array([min(p["stderr"], 0.9 * p["error"]) for p in points])
@@ -174,52 +212,24 @@ def _draw_method(axis: Any, method: str, points: list[Point], size: float) -> No
             axis.plot([seconds], [here], marker, ms=size, mfc="white", mec=colour, mew=0.8)
 
 
-def _draw_floor(axis: Any, floor: Floor, large: bool) -> None:
+def _draw_floor(axis: Any, floor: Floor) -> dict[str, tuple[float, str]]:
+    """Draw it; what it says, where and in which colour, if it is drawn."""
+    value, shown = floor.relative_rmse, max(floor.relative_rmse, LEAST_ERROR)
     if floor.floor == "model" and floor.model == "smith":
-        axis.axhline(floor.relative_rmse, color="#b2182b", lw=1.6, ls="--", zorder=2)
-        axis.axhspan(
-            max(floor.relative_rmse - 2 * floor.stderr, LEAST_ERROR),
-            floor.relative_rmse + 2 * floor.stderr,
-            color="#b2182b",
-            alpha=0.15,
-            lw=0,
-        )
-        text = f"Smith model to surfaces: {floor.relative_rmse:.2g}"
-        # Below the band: what simulates surfaces comes down to it from above.
-        low = max(floor.relative_rmse - 2 * floor.stderr, LEAST_ERROR)
-        _write(axis, low / 1.06, text, "#b2182b", large, "top")
-    elif floor.floor == "reference":
-        value = max(floor.relative_rmse, LEAST_ERROR)
-        axis.axhline(value, color="0.4", lw=1.1, ls=":", zorder=2)
-        below = ", below this edge" if floor.relative_rmse < LEAST_ERROR else ""
-        text = f"noise of the reference: {floor.relative_rmse:.1g}{below}"
-        _write(axis, value * 1.06, text, "0.35", large, "bottom")
+        low = max(value - 2 * floor.stderr, LEAST_ERROR)
+        axis.axhline(value, color=SMITH, lw=1.6, ls="--", zorder=2)
+        axis.axhspan(low, value + 2 * floor.stderr, color=SMITH, alpha=0.15, lw=0)
+        known = f"{value:.2g}" if value > 0 else f"below {2 * floor.stderr:.2g}"
+        return {f"Smith model to surfaces: {known}": (shown, SMITH)}
+    if floor.floor == "reference":
+        axis.axhline(shown, color="0.4", lw=1.1, ls=":", zorder=2)
+        below = ", below this edge" if value < LEAST_ERROR else ""
+        return {f"noise of the reference: {value:.1g}{below}": (shown, "0.35")}
+    return {}
 
 
-def _write(axis: Any, y: float, text: str, colour: str, large: bool, side: str) -> None:
-    if large:
-        axis.text(
-            0.99, y, text, color=colour, ha="right", va=side, fontsize=7,
-            transform=axis.get_yaxis_transform(),
-        )  # fmt: skip
-
-
-def _legend(figure: Any, rows: list[Row]) -> None:
-    handles = []
-    for method in dict.fromkeys(r.method for r in rows):
-        colour, marker = look(method)
-        slopes = [r.slope for r in rows if r.method == method and np.isfinite(r.slope)]
-        label = method + (f"  (slope {np.median(slopes):.2f})" if slopes else "")
-        handles.append(Line2D([], [], color=colour, marker=marker, ms=5, label=label))
-    ring = Line2D(
-        [],
-        [],
-        ls="",
-        marker="o",
-        ms=9,
-        mfc="none",
-        mec="0.2",
-        label="Pareto front, set-up included",
-    )
-    hollow = Line2D([], [], ls=":", color="0.3", marker="o", mfc="white", label="after set-up")
-    figure.legend(handles=[*handles, ring, hollow], loc="upper left", ncols=4, fontsize=7.5)
+def _legend(figure: Any) -> None:
+    style: dict[str, Any] = {"marker": "o", "color": "0.2"}
+    ring = Line2D([], [], **style, ls="", ms=9, mfc="none", label="Pareto front, set-up included")
+    hollow = Line2D([], [], **style, ls=":", mfc="white", label="without set-up")
+    figure.legend(handles=[ring, hollow], loc="upper left", ncols=2)

@@ -1,12 +1,14 @@
 """The furnace's stated errors cover the truth, also where hardly any walk goes."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from msbsdf_cli.experiments.furnace import FurnaceJob, run_furnace
+from msbsdf_cli.experiments.furnace import Albedos, FurnaceJob, furnace_table, run_furnace
 from msbsdf_cli.experiments.render.scenes.furnace import SPHERE_IN_VIEW
 from msbsdf_cli.experiments.white_sphere import white_spheres
 from msbsdf_cli.methods.solve import Solve
+from msbsdf_cli.plots.furnace import draw_furnace
 from msbsdf_cli.plots.white_sphere import GROUND, difference, draw_spheres, on_grey
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.albedo import first_order_albedo
@@ -92,3 +94,36 @@ def test_a_sphere_of_glass_is_white(tmp_path):
     np.testing.assert_allclose(spheres[0].image, 1, rtol=1e-9)
     draw_spheres(spheres, tmp_path / "sphere.png")
     assert (tmp_path / "sphere.png").stat().st_size > 10_000
+
+
+def test_the_picture_shows_what_is_lost_and_what_is_won(monkeypatch, tmp_path):
+    """Of two channels: 0.6 is 30 % below 0.9 and 10 % above 0.5, and has a row of its own; 0.899
+    and 0.502 are beside the line of 0, and all are within bars of two errors."""
+    value = {"solve": (0.9, 0.5), "single": (0.6, 0.6), "walk": (0.899, 0.502)}
+    results = [
+        Albedos(
+            name, (0.5, 0.5), (0.0,), np.array(v)[None, None, :, None], np.full((1, 1, 2, 1), s)
+        )
+        for (name, v), s in zip(value.items(), (3e-4, 0, 4e-4), strict=True)
+    ]
+    table = furnace_table(Scene(Conductor(), Beckmann(0.5, 0.5), (1.0,), 0), results)
+    table["order"] = ["all"] * len(table["order"])
+    monkeypatch.setattr(
+        "msbsdf_cli.plots.furnace.save", lambda figure, path: figures.append(figure)
+    )
+    figures = []
+    draw_furnace(table, tmp_path / "furnace.png", "solve")
+    drawn = [axis.containers for axis in figures[0].axes]
+    assert [len(c) for c in drawn] == [1, 1, 1, 1]
+    middle = [float(c[0].lines[0].get_ydata()[0]) for c in drawn]
+    assert middle == pytest.approx([30, -0.1, 10, 0.2])
+    bars = [np.ptp(c[0].lines[2][0].get_segments()[0][:, 1]) / 4 for c in drawn]
+    assert bars == pytest.approx([0.03, 0.05, 0.03, 0.05])
+    hollow = [
+        len(line.get_xdata())
+        for a in figures[0].axes[::2]
+        for line in a.lines
+        if line.get_markerfacecolor() == "white"
+    ]
+    assert hollow == [0, 1]
+    plt.close(figures[0])

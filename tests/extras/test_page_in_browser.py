@@ -20,6 +20,7 @@ FLAGS = (
 COMMANDS = {
     "compare": ("--samples", "5000", "--cells", "4", "--extent", "6", "--realisations", "3"),
     "evaluate": ("--method", "single", "--theta", "1"),
+    "figures": ("heitz-10", "wang-2", "wang-16", "--quick"),
     "sweep": ("walk", "--alpha", "0.3:0.9:3", "--theta", "0:80deg:4", "--samples", "1000"),
 }
 

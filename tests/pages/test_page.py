@@ -11,6 +11,8 @@ from PIL import Image
 
 from msbsdf_cli.pages import page
 from msbsdf_cli.pages.citations import papers
+from msbsdf_cli.plots import FOR_PAGE, PAGE_OF
+from msbsdf_cli.plots.style import panels, save
 
 VOID = {"meta", "link", "img", "input", "br"}
 
@@ -78,6 +80,42 @@ def test_the_slider_turns_over_all_angles(report):
     slides = [a for tag, a in found if tag == "figure" and a.get("class") == "slide"]
     assert len(slides) == int(slider["max"]) + 1 == 2
     assert [("hidden" in a) for a in slides] == [False, True]
+
+
+def test_lines_are_drawn_as_lines_and_maps_as_bitmaps(report):
+    text = (report / "index.html").read_text()
+    kind = r'<img src="data:image/([a-z+]+);[^>]*>\s*<figcaption>[^<]*<code>([a-z_]*)'
+    kinds = {name: kind for kind, name in re.findall(kind, text)}
+    assert kinds["agreement"] == kinds["free_path"] == "svg+xml"
+    assert kinds["lobes"] in ("png", "webp")
+    assert not list(report.rglob("*.svg"))
+
+
+def test_equal_pictures_are_equal_files(tmp_path, monkeypatch):
+    monkeypatch.setenv(PAGE_OF, str(tmp_path))
+
+    def drawn():
+        figure, axes = panels(1, [2.0], 1.5)
+        axes[0, 0].plot([1, 2], clip_path=None, label="a")
+        axes[0, 0].scatter([0, 1], [1, 2])
+        save(figure, tmp_path / "a.png")
+        return [path.read_bytes() for path in sorted(tmp_path.iterdir())]
+
+    assert len(drawn()) == 2
+    assert drawn() == drawn()
+
+
+def test_of_many_pictures_of_lines_the_last_are_bitmaps(tmp_path):
+    for name in ("agreement", "slice", "free_path"):
+        Image.new("RGB", (8, 8)).save(tmp_path / f"{name}.png")
+        (tmp_path / f"{name}{FOR_PAGE}.svg").write_text("<svg/>".ljust(page.SVG_BYTES // 2))
+    made = {"command": "walk", "warnings": [], "options": {}, "versions": {}}
+    (tmp_path / "run.json").write_text(json.dumps(made))
+    page.write_page(tmp_path)
+    text = (tmp_path / "index.html").read_text()
+    assert re.findall("data:image/([a-z]+)", text) == ["svg", "svg", "png"]
+    assert len(text) < 2e6
+    assert not list(tmp_path.glob("*.svg"))
 
 
 def test_large_pictures_are_packed_and_keep_their_colours(tmp_path):

@@ -28,7 +28,7 @@ def draw_heitz_7(tables: Tables, directory: Path) -> None:
         axis.set_title(
             "light that travels " + ("down, from outside" if down else "up, from h = -2")
         )
-        axis.legend(title="theta_r", loc="lower left", title_fontsize=7)
+        axis.legend(title="theta_r", loc="upper right", title_fontsize=7)
     axes[0, 0].set_ylabel("extinction [1 / std. dev. of height]")
     handles = [
         Line2D([], [], color="0.3", label="Smith model, Eq. 24"),

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from msbsdf_cli.experiments.figures.settings import Tables
 from msbsdf_cli.plots.figures.rows import values, where
-from msbsdf_cli.plots.style import COLOURS, in_degrees, panels, save
+from msbsdf_cli.plots.style import COLOURS, in_degrees, panels, save, short_ticks
 from msbsdf_cli.results.files import Table
 
 
@@ -86,6 +86,7 @@ def _panel(axis: Any, table: Table, sources: list[str], theta: float, start: flo
     axis.set_title(title, fontsize=6.5)
     axis.set_xlim(-4, 4)
     axis.set_ylim(bottom=0)
+    short_ticks(axis)
 
 
 def draw_heitz_13(tables: Tables, directory: Path) -> None:

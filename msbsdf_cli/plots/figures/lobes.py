@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from msbsdf_cli.experiments.figures.settings import Tables
 from msbsdf_cli.plots.figures.rows import values, where
 from msbsdf_cli.plots.lobes import draw_slice, grid, legend, map_trio
-from msbsdf_cli.plots.style import in_degrees, method_look, panels, save
+from msbsdf_cli.plots.style import in_degrees, look, method_lines, panels, save, short_ticks
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.statistics.binning import PHI_BINS, THETA_BINS, lobe_axes
@@ -98,7 +98,7 @@ def _draw_page(table: Table, what: str, path: Path) -> None:
         line[0].set_ylabel("1/sr")
     for axis in axes[-1]:
         axis.set_xlabel("theta_o [degrees]")
-    handles = [Line2D([], [], **method_look(k), label=name) for k, name in enumerate(models)]
+    handles = method_lines(models)
     handles.append(Line2D([], [], color="0.1", marker="o", ms=2, ls="", label="surfaces"))
     figure.legend(handles=handles, loc="upper left", ncols=4, title=what, alignment="left")
     save(figure, path)
@@ -106,13 +106,17 @@ def _draw_page(table: Table, what: str, path: Path) -> None:
 
 def _page_panel(axis: Any, part: dict[str, Array], models: list[str]) -> None:
     top = 0.0
+    short_ticks(axis)
     for k, name in enumerate(("simulate", *models)):
         mine = where(part, source=name)
         angle, value, error = (mine[n] for n in ("theta_o_rad", "density_per_sr", "stderr_per_sr"))
-        look: dict[str, Any] = {"fmt": "o", "ms": 1.3, "color": "0.1"}
+        style: dict[str, Any] = {"fmt": "o", "ms": 1.3, "color": "0.1"}
         if k:
-            look = method_look(k - 1) | {"lw": 0.9, "errorevery": (k, 4 * len(models))}
-        axis.errorbar(np.degrees(angle), value, error, elinewidth=0.5, **look)
+            every = k, 4 * len(models)
+            style = look(name) | {"ms": 2.5, "lw": 0.9, "errorevery": every, "markevery": every}
+        # Where no more than noise is known there is no point.
+        seen = (value > error) | (k > 0)
+        axis.errorbar(np.degrees(angle[seen]), value[seen], error[seen], elinewidth=0.5, **style)
         top = max(top, float(value.max()))
     axis.set_xlim(-90, 90)
     axis.set_xticks([-90, -45, 0, 45, 90])

@@ -7,7 +7,7 @@ import numpy as np
 
 from msbsdf_cli.experiments.figures.settings import Tables
 from msbsdf_cli.plots.figures.rows import where
-from msbsdf_cli.plots.style import COLOURS, panels, save
+from msbsdf_cli.plots.style import COLOURS, HALO, panels, save
 
 OUTSIDE = 3.2
 """Height, in standard deviations, at which light from outside is drawn to begin and to end."""
@@ -38,22 +38,33 @@ def _path(axis: Any, one: dict[str, Any]) -> None:
     heights = np.concatenate([[OUTSIDE], one["height"][finite], [OUTSIDE]])
     slope = np.tan(one["theta_r_rad"]) * np.cos(one["phi_r_rad"])
     x = np.concatenate([[0.0], np.cumsum(np.diff(heights) * slope)])
+    low = min(x.min(), 0) - 1.5
+    axis.set_xlim(low, x.max() + 0.6)
+    axis.set_ylim(-3.2, OUTSIDE + 0.1)
+    way = np.diff(axis.transData.transform(np.stack([x, heights], axis=1)), axis=0)
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    near: dict[str, Any] = {
+        "textcoords": "offset points",
+        "ha": "center",
+        "va": "center",
+        "path_effects": HALO,
+    }
     for k, energy in enumerate(one["energy"]):
         ends = {"xy": (x[k + 1], heights[k + 1]), "xytext": (x[k], heights[k])}
         arrow = {"arrowstyle": "->", "lw": 0.4 + 2 * energy, "color": COLOURS[1]}
         arrow |= {"shrinkA": 0, "shrinkB": 0}
         axis.annotate("", **ends, arrowprops=arrow)
         middle = (x[k] + x[k + 1]) / 2, (heights[k] + heights[k + 1]) / 2
-        axis.annotate(f"{energy:.2g}", middle, (4, 2), textcoords="offset points", fontsize=6)
+        # Beside the ray.
+        axis.annotate(f"{energy:.2g}", middle, 10 * way[k, ::-1] * [1, -1], fontsize=6, **near)
     axis.plot(x[1:-1], heights[1:-1], "o", ms=4, color="0.1")
-    for k, (across, up) in enumerate(zip(x[1:-1], heights[1:-1], strict=True)):
-        label = f"$h_{k + 1}$"
-        axis.annotate(label, (across, up), (-4, -9), textcoords="offset points", fontsize=7)
+    for k, at in enumerate(zip(x[1:-1], heights[1:-1], strict=True)):
+        # Where neither ray is.
+        away = way[k] - way[k + 1]
+        offset = 9 * away / max(float(np.linalg.norm(away)), 1e-9)
+        axis.annotate(f"$h_{k + 1}$", at, offset, fontsize=7, **near)
     h = np.linspace(-3, 3, 60)
-    low = min(x.min(), 0) - 1.5
     axis.fill_betweenx(h, low, low + 1.2 * np.exp(-h * h / 2), color=COLOURS[0], alpha=0.25)
-    axis.set_xlim(low, x.max() + 0.6)
-    axis.set_ylim(-3.2, OUTSIDE + 0.1)
     axis.set_xlabel("way along the plane of incidence [std. dev. of height]")
     axis.set_ylabel("height [standard deviations]")
     axis.set_title("one walk; numbers: its energy; shade: density of heights")

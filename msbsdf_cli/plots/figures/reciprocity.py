@@ -36,6 +36,6 @@ def draw_wang_16(tables: Tables, directory: Path) -> None:
         mean, error = rows["difference"].mean(), np.sqrt((rows["stderr"] ** 2).sum()) / z.size
         line[2].set_title(f"mean difference {mean:.2g} ± {error:.1g}")
         line[0].set_title(f"{method}\nf(i, o) [1/sr]")
-        line[1].set_title("f(i, o) - f(o, i)")
-        line[2].legend(loc="upper right")
+        line[1].set_title("f(i, o) - f(o, i) [1/sr]")
+        line[2].legend(loc="upper left")
     save(figure, directory / "wang_16.png")
