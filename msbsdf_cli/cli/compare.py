@@ -95,10 +95,10 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
         work = scene, resolution, free_paths, options
         handed_run = handed.get("simulate")
         simulated, of_surfaces = (handed_run, []) if handed_run else simulated_run(draft, *work)
-        models, of_models = modelled(draft, scene, free_paths, options, handed)
+        models = modelled(draft, scene, free_paths, options, handed)
         walk_on = scene if "walk" not in handed else handed["walk"].scene
         rows, of_both = write(report, draft, simulated, models, walk_on)
-        do_all([*of_surfaces, *of_models, *of_both], options["threads"])
+        do_all([*of_surfaces, *of_both], options["threads"])
 
     report.end(lambda: show_rows(rows))
 
@@ -232,20 +232,20 @@ def effort_of_methods(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
 def simulated_run(
     draft: Path, scene: Any, resolution: Any, free_paths: Any, options: dict[str, Any]
 ) -> tuple[Any, Pictures]:
-    """Simulate; the report goes into `draft`, and what draws for it comes back."""
+    """Simulate; the report goes into `draft`, and what draws the surface comes back: the light is in
+    the pictures of the comparison."""
     from msbsdf_cli.cli import simulate
     from msbsdf_cli.cli.runs import write_part
 
     run = simulate.run(scene, resolution, free_paths, options)
-    _, pictures = write_part(draft, run, options)
-    return run, [*pictures, simulate.draw(draft / "simulate", scene, resolution, options)]
+    write_part(draft, run, options)
+    return run, [simulate.draw(draft / "simulate", scene, resolution, options)]
 
 
 def modelled(
     draft: Path, scene: Any, free_paths: Any, options: dict[str, Any], handed: dict[str, Any]
-) -> tuple[list[Any], Pictures]:
-    """Light of the walk, or of the methods wanted; the report of a walk made goes into `draft`, and
-    what draws for it comes back."""
+) -> list[Any]:
+    """Light of the walk, or of the methods wanted; the report of a walk made goes into `draft`."""
     from msbsdf_cli.cli import walk
     from msbsdf_cli.cli.runs import write_part
 
@@ -253,11 +253,10 @@ def modelled(
         from msbsdf_cli.experiments.method_lobes import method_lobes
 
         names = ("samples", "seed", "threads", "precision", "quiet")
-        return method_lobes(scene, options["method"], *(options[name] for name in names)), []
+        return method_lobes(scene, options["method"], *(options[name] for name in names))
     if "walk" in handed:
-        return [handed["walk"].lobes()], []
-    lobes, pictures = write_part(draft, walk.run(scene, free_paths, options), options)
-    return [lobes], pictures
+        return [handed["walk"].lobes()]
+    return [write_part(draft, walk.run(scene, free_paths, options), options)[0]]
 
 
 def write(
