@@ -23,6 +23,7 @@ from msbsdf_cli.memory.frame import (
     turned,
 )
 from msbsdf_cli.memory.march import Hits, march
+from msbsdf_cli.memory.way_in import WayIn, seen, way_in
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import leave, sign
 from surfaces.batch import Batch, concatenate
@@ -47,12 +48,13 @@ class Memory:
     correlation: Correlation
     escape: Escape
     entry: Entry
+    way_in: WayIn
 
     @classmethod
     def of(cls, spectrum: Spectrum = GAUSSIAN) -> "Memory":
         """That of a spectrum; tables are made once in a process, in about a second."""
         first = entry(spectrum)
-        return cls(correlation(spectrum), first.escape, first)
+        return cls(correlation(spectrum), first.escape, first, way_in(spectrum))
 
 
 @dataclass
@@ -152,7 +154,8 @@ def bounce(
     ray = directions(slopes, after.d)
     delta, u = clearance(ray, after.d, after.m), curvature(ray, after.bends)
     facet = np.stack([delta, after.h, ray.c - delta, u])
-    hits, away = next_facets(memory, facet, rng)
+    before = None if order > 1 else came_from_outside(slopes, lanes, after, ray)
+    hits, away = next_facets(memory, facet, rng, before)
     light, stays = leave(after.compress(away), order), hits.slot
     _, across = slopes_along(slopes, ray, after.m)
     staying, ray = after.each(lambda a: a.take(stays, axis=-1)), ray.take(stays)
@@ -167,15 +170,31 @@ def bounce(
     return light, staying
 
 
-def next_facets(memory: Memory, facet: Array, rng: np.random.Generator) -> tuple[Hits, Array]:
+def came_from_outside(slopes: Slopes, lanes: Lanes, after: Lanes, ray: Directions) -> Array:
+    """What is known of the ways in of walks at first facets, (5, n) as `way_in.seen` has it."""
+    back = directions(slopes, -lanes.d)
+    steeper = clearance(back, -lanes.d, lanes.m)
+    before = seen(ray, back, steeper, curvature(back, lanes.bends))
+    if after.inside is not None and lanes.inside is not None:
+        # The way in is on the other side of the surface.
+        before[0] = np.where(after.inside == lanes.inside, before[0], 0)
+    return before
+
+
+def next_facets(
+    memory: Memory, facet: Array, rng: np.random.Generator, before: Array | None = None
+) -> tuple[Hits, Array]:
     """What rays meet next that leave facets of the four numbers `facet` (4, n), and who of them
-    meets nothing, (n,) of bool."""
+    meets nothing, (n,) of bool; `before` (5, n) is what is known of the ways in of rays from first
+    facets, for which nothing is met more often."""
     delta, h, s, u = facet
     E = rng.standard_exponential(h.size, dtype=np.float32)
     total = memory.escape.hazard(h, s + delta, delta, u)
     away = SURE[0] * total + SURE[1] <= E
     seeking = np.flatnonzero(~away)
-    hits, others = march(memory.correlation, facet.take(seeking, axis=1), E.take(seeking))
+    known = None if before is None else (memory.way_in, before.take(seeking, axis=1))
+    facet, E = facet.take(seeking, axis=1), E.take(seeking)
+    hits, others = march(memory.correlation, facet, E, known=known)
     away[seeking[others.slot]] = True
     hits.slot = seeking[hits.slot]
     return hits, away
