@@ -54,7 +54,7 @@ class Rays(Batch):
     factor: Array
     """Of looking back, and of the way in."""
     before: Array | None = None
-    """What is known of the way in, (5, n) as `way_in.seen` has it, of rays from first facets."""
+    """What is known of the way in, (5, n) as `way_in.beside` has it, of rays from first facets."""
 
     @property
     def c(self) -> Array:
@@ -86,12 +86,12 @@ def march(
     rays, hits, away = _start(correlation, facet, E), [], []
     way_in, rays.before = known or (None, None)
     while rays.size:
-        rays, met, over = _step(correlation, way_in, rays, fineness)
+        rays, met, over = _step(correlation, rays, fineness, way_in)
         hits.append(met)
         away.append(over)
     rays, out = concatenate([rays, *away]), away[:0]
     while rays.size or not out:
-        rays, met, over = _far_step(correlation, way_in, rays, fineness)
+        rays, met, over = _far_step(correlation, rays, fineness, way_in)
         hits.append(met)
         out.append(over)
     return concatenate(hits), concatenate(out)
@@ -107,7 +107,7 @@ def _start(correlation: Correlation, facet: Array, E: Array) -> Rays:
 
 
 def _step(
-    correlation: Correlation, way_in: WayIn | None, rays: Rays, fineness: float
+    correlation: Correlation, rays: Rays, fineness: float, way_in: WayIn | None = None
 ) -> tuple[Rays, Hits, Rays]:
     """Those that go on after another step, those that met the surface in it, and those that have
     come to where nothing is remembered."""
@@ -118,9 +118,7 @@ def _step(
     i = correlation.index(low + np.clip(length, 2 * STEP * low, GROWTH * fineness * low))
     after = hazard.near(correlation, i, rays.facet)
     x = correlation.x.take(i)
-    if way_in is not None and rays.before is not None:
-        factor = way_in.factor(rays.before, rays.facet[1], x, after, i)
-        after = after._replace(factor=after.factor * factor)
+    after = _informed(way_in, rays, x, after, i)
     level = rays.facet[1] + c * x
     step, half = x - rays.x, x.dtype.type(0.5)
     total = rays.below - after.below + step * (rays.down + after.down) * half
@@ -130,7 +128,7 @@ def _step(
 
 
 def _far_step(
-    correlation: Correlation, way_in: WayIn | None, rays: Rays, fineness: float
+    correlation: Correlation, rays: Rays, fineness: float, way_in: WayIn | None = None
 ) -> tuple[Rays, Hits, Rays]:
     """The same beyond, where the integral of Smith's hazard is Lambda times the difference of t; at
     last those that are away."""
@@ -140,13 +138,21 @@ def _far_step(
     x = rays.x + CLIMB * fineness / np.abs(climb)
     level = rays.facet[1] + climb * x
     after = hazard.far(correlation, level, climb)
-    if way_in is not None and rays.before is not None:
-        factor = way_in.factor(rays.before, rays.facet[1], x, after, None)
-        after = after._replace(factor=after.factor * factor)
+    after = _informed(way_in, rays, x, after, None)
     total = (after.below - rays.below) * normal.excess(climb) / climb
     on, hits, out = _go(rays, x, after, total, level > TOP)
     hits.place = np.full(hits.slot.size, NOWHERE)
     return on, hits, out
+
+
+def _informed(
+    way_in: WayIn | None, rays: Rays, x: Array, after: hazard.Parts, place: Array | None
+) -> hazard.Parts:
+    """The hazard's parts `after` at distances `x` (n,), with what the way in says, if any."""
+    if way_in is None or rays.before is None:
+        return after
+    factor = way_in.factor(rays.before, rays.facet[1], x, after, place)
+    return after._replace(factor=after.factor * factor)
 
 
 def _go(

@@ -23,7 +23,7 @@ from msbsdf_cli.memory.frame import (
     turned,
 )
 from msbsdf_cli.memory.march import Hits, march
-from msbsdf_cli.memory.way_in import WayIn, seen, way_in
+from msbsdf_cli.memory.way_in import WayIn, beside, way_in
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import leave, sign
 from surfaces.batch import Batch, concatenate
@@ -171,10 +171,10 @@ def bounce(
 
 
 def came_from_outside(slopes: Slopes, lanes: Lanes, after: Lanes, ray: Directions) -> Array:
-    """What is known of the ways in of walks at first facets, (5, n) as `way_in.seen` has it."""
+    """What is known of the ways in of walks at first facets, (5, n) as `way_in.beside` has it."""
     back = directions(slopes, -lanes.d)
     steeper = clearance(back, -lanes.d, lanes.m)
-    before = seen(ray, back, steeper, curvature(back, lanes.bends))
+    before = beside(ray, back, steeper, curvature(back, lanes.bends))
     if after.inside is not None and lanes.inside is not None:
         # The way in is on the other side of the surface.
         before[0] = np.where(after.inside == lanes.inside, before[0], 0)

@@ -34,6 +34,12 @@ same directions: both heights are off the parabola by the cube of the distance."
 NODES = 2000
 """Of the spline through the autocorrelation, right to 1e-12."""
 
+ABOVE = 6.0
+"""Standard deviations above the surface at which a ray is not met, 1e-9 of the time."""
+
+MOST = 1e6
+"""Standard deviations that are as good as any more."""
+
 REST = 1e-4
 """Least variance of a height that another one tells."""
 
@@ -56,9 +62,9 @@ class WayIn:
 
     def factor(self, rays: Array, h: Array, x: Array, after: Parts, place: Array | None) -> Array:
         """Of the hazard's parts `after` at distances `x` (n,) of rays from height `h`, at the
-        lattice's `place`, None where nothing is remembered; `rays` is what `seen` says of them."""
+        lattice's `place`, None where nothing is remembered; `rays` is what `beside` has."""
         found = np.ones_like(x)
-        some = np.flatnonzero(rays[0] > 0)
+        some = np.flatnonzero((rays[0] > 0) & (after.b < ABOVE))
         if some.size == 0:
             return found
         cor = correlation(self.spectrum)
@@ -79,7 +85,7 @@ class WayIn:
                 r1, r2 = self.height.ravel().take(at), self.slope.ravel().take(at)
                 # A way in as good as vertical is above everything.
                 with np.errstate(over="ignore"):
-                    level = linear(cor.distances[0], cor.index(t), facet)
+                    level = np.minimum(linear(cor.distances[0], cor.index(t), facet), MOST)
             rest = np.maximum(1 - r1 * r1 - r2 * r2 * (1 - scatter), REST)
             crossing = (level - r1 * b - r2 * k) / np.sqrt(rest)
             rest = np.maximum(1 - r1 * r1 * narrower, REST)
@@ -99,7 +105,7 @@ class WayIn:
         return R, slope * (x - t * cos) / np.maximum(apart, np.finfo(x.dtype).tiny)
 
 
-def seen(ray: Directions, back: Directions, delta: Array, u: Array) -> Array:
+def beside(ray: Directions, back: Directions, delta: Array, u: Array) -> Array:
     """What is known of the ways `back` out of which light came to facets that rays leave: the
     cosine and sine of the angle between the two, by how much the way back is steeper than the
     facet, the facet's slope along it and its curvature, (5, ...) as they broadcast."""

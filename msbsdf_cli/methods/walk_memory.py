@@ -71,7 +71,7 @@ class WalkMemory(FollowsPaths):
                     mine = on_way[0].take(some), on_way[1].take(some)
                     phase, colour = next_event.met(*about, few, mine, out)
                 else:
-                    phase, colour = next_event.drawn(*about, few, out)
+                    phase, colour = next_event.drawn(*about, few, out, rng if order == 1 else None)
                 estimate.add(order, coloured(phase, colour, few.weight), few.slot)
 
         for n in batches(samples, out.n):

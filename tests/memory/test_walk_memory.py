@@ -89,11 +89,13 @@ def test_walks_of_memory_0_are_smiths():
 @pytest.mark.parametrize(("c", "height"), [(0.3, 0.5), (1.0, -1.0)])
 def test_a_surface_that_forgets_at_once_and_is_not_looked_back_on_is_smiths(c, height, monkeypatch):
     far = hazard.far
-    monkeypatch.setattr(hazard, "far", lambda *a: (*far(*a)[:2], np.ones_like(a[1])))
+    monkeypatch.setattr(hazard, "far", lambda *a: far(*a)._replace(factor=np.ones_like(a[1])))
     n, cor = 40_000, Memory.of().correlation
     h, slope, x = (np.full(n, v, np.float32) for v in (height, c, 0))
     E = RNG(5).standard_exponential(n, dtype=np.float32)
-    rays = march.Rays(np.stack([slope, h, x, x]), E, np.arange(n), x, *hazard.far(cor, h, slope))
+    rays = march.Rays(
+        np.stack([slope, h, x, x]), E, np.arange(n), x, *hazard.far(cor, h, slope)[:3]
+    )
     met = 0
     while rays.size:
         rays, hits, _ = march._far_step(cor, rays, 0.25)
