@@ -71,6 +71,8 @@ class Hits(Batch):
     """Height."""
     place: Array
     """Of the distance in the lattice, or `NOWHERE`."""
+    facet: Array | None = None
+    """Slope and curvature along the ray, (2, n), where they are known already."""
 
 
 def march(
@@ -153,6 +155,26 @@ def _informed(
         return after
     factor = way_in.factor(rays.before, rays.facet[1], x, after, place)
     return after._replace(factor=after.factor * factor)
+
+
+def likelihood(
+    correlation: Correlation, facet: Array, x: Array, way_in: WayIn, before: Array
+) -> Array:
+    """How much less likely light has come in that way to surfaces that cross rays at `x` (n,) than
+    to others."""
+    x, h, c = x.astype(np.float32), facet[1], facet[0] + facet[2]
+    near = x < correlation.x[-1]
+    place, share = correlation.index(x), np.empty_like(x)
+    for some, there in ((near, True), (~near, False)):
+        k = np.flatnonzero(some)
+        x_k, h_k, i = x.take(k), h.take(k), place.take(k)
+        if there:
+            parts = hazard.near(correlation, i, facet.take(k, axis=1))
+        else:
+            parts = hazard.far(correlation, h_k + c.take(k) * x_k, c.take(k))
+        lattice = i if there else None
+        share[k] = way_in.factor(before.take(k, axis=1), h_k, x_k, parts, lattice)
+    return share
 
 
 def _go(

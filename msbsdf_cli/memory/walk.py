@@ -22,7 +22,8 @@ from msbsdf_cli.memory.frame import (
     slopes_along,
     turned,
 )
-from msbsdf_cli.memory.march import Hits, march
+from msbsdf_cli.memory.march import NOWHERE, Hits, likelihood, march
+from msbsdf_cli.memory.profile import Profile, draw, profile
 from msbsdf_cli.memory.way_in import WayIn, beside, way_in
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import leave, sign
@@ -49,12 +50,16 @@ class Memory:
     escape: Escape
     entry: Entry
     way_in: WayIn
+    profile: Profile | None
+    """What the heights that a ray has passed say, where these are remembered too."""
 
     @classmethod
-    def of(cls, spectrum: Spectrum = GAUSSIAN) -> "Memory":
-        """That of a spectrum; tables are made once in a process, in about a second."""
+    def of(cls, spectrum: Spectrum = GAUSSIAN, number: int = 1) -> "Memory":
+        """That of a spectrum, as `--memory` has the `number`, 1 or 2; tables are made once in a
+        process, in some seconds."""
         first = entry(spectrum)
-        return cls(correlation(spectrum), first.escape, first, way_in(spectrum))
+        heights = profile(spectrum) if number == 2 else None
+        return cls(correlation(spectrum), first.escape, first, way_in(spectrum), heights)
 
 
 @dataclass
@@ -153,18 +158,23 @@ def bounce(
     after = scatter(material, lanes, rng)
     ray = directions(slopes, after.d)
     delta, u = clearance(ray, after.d, after.m), curvature(ray, after.bends)
-    facet = np.stack([delta, after.h, ray.c - delta, u])
+    along, across = slopes_along(slopes, ray, after.m)
+    facet = np.stack([delta, after.h, along, u])
     before = None if order > 1 else came_from_outside(slopes, lanes, after, ray)
     hits, away = next_facets(memory, facet, rng, before)
     light, stays = leave(after.compress(away), order), hits.slot
-    _, across = slopes_along(slopes, ray, after.m)
     staying, ray = after.each(lambda a: a.take(stays, axis=-1)), ray.take(stays)
     facets = remembered(
         memory.correlation, hits.place, ray, facet.take(stays, axis=1), across.take(stays), rng
     )
     along, across = facets.draw(rng)
+    if hits.facet is None:
+        bends = facets.bends(memory.correlation, along - ray.c)
+    else:
+        along, u = hits.facet
+        bends = spread_out(memory.correlation, u, facets.noise[1:])
     staying.h, staying.m = hits.h, normals(slopes, ray, along, across)
-    staying.bends = turned(ray, facets.bends(memory.correlation, along - ray.c))
+    staying.bends = turned(ray, bends)
     if look is not None:
         look(order + 1, staying, (ray, facets))
     return light, staying
@@ -187,6 +197,8 @@ def next_facets(
     """What rays meet next that leave facets of the four numbers `facet` (4, n), and who of them
     meets nothing, (n,) of bool; `before` (5, n) is what is known of the ways in of rays from first
     facets, for which nothing is met more often."""
+    if memory.profile is not None:
+        return passing(memory, memory.profile, facet, rng, before)
     delta, h, s, u = facet
     E = rng.standard_exponential(h.size, dtype=np.float32)
     total = memory.escape.hazard(h, s + delta, delta, u)
@@ -198,6 +210,38 @@ def next_facets(
     away[seeking[others.slot]] = True
     hits.slot = seeking[hits.slot]
     return hits, away
+
+
+def passing(
+    memory: Memory,
+    heights: Profile,
+    facet: Array,
+    rng: np.random.Generator,
+    before: Array | None,
+) -> tuple[Hits, Array]:
+    """The same where the heights that rays pass are remembered."""
+    bend, found = memory.correlation.bend, []
+    numbers = facet.astype(float)
+    numbers[3] = bend * numbers[3] - numbers[1]
+    lanes = np.arange(facet.shape[1])
+    while lanes.size:
+        met = draw(heights, numbers.take(lanes, axis=1), rng)
+        met.slot = lanes.take(met.slot)
+        if before is None:
+            keep = np.ones(met.slot.size, bool)
+        else:
+            known = memory.way_in, before.take(met.slot, axis=1)
+            share = likelihood(memory.correlation, facet.take(met.slot, axis=1), met.x, *known)
+            keep = rng.random(met.slot.size) < share
+        found.append(met.compress(keep))
+        # Of surfaces that the way in makes so much less likely, others are drawn.
+        lanes = met.slot.compress(~keep)
+    all_met = concatenate(found)
+    away = np.ones(facet.shape[1], bool)
+    away[all_met.slot] = False
+    place = np.where(all_met.x < memory.correlation.x[-1], memory.correlation.index(all_met.x), NOWHERE)
+    numbers = np.stack([all_met.slope, (all_met.second + all_met.h) / bend]).astype(np.float32)
+    return Hits(all_met.slot, all_met.h.astype(np.float32), place, numbers), away
 
 
 def scatter(material: Material, lanes: Lanes, rng: np.random.Generator) -> Lanes:
