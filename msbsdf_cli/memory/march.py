@@ -157,26 +157,6 @@ def _informed(
     return after._replace(factor=after.factor * factor)
 
 
-def likelihood(
-    correlation: Correlation, facet: Array, x: Array, way_in: WayIn, before: Array
-) -> Array:
-    """How much less likely light has come in that way to surfaces that cross rays at `x` (n,) than
-    to others."""
-    x, h, c = x.astype(np.float32), facet[1], facet[0] + facet[2]
-    near = x < correlation.x[-1]
-    place, share = correlation.index(x), np.empty_like(x)
-    for some, there in ((near, True), (~near, False)):
-        k = np.flatnonzero(some)
-        x_k, h_k, i = x.take(k), h.take(k), place.take(k)
-        if there:
-            parts = hazard.near(correlation, i, facet.take(k, axis=1))
-        else:
-            parts = hazard.far(correlation, h_k + c.take(k) * x_k, c.take(k))
-        lattice = i if there else None
-        share[k] = way_in.factor(before.take(k, axis=1), h_k, x_k, parts, lattice)
-    return share
-
-
 def _go(
     rays: Rays, x: Array, after: hazard.Parts, total: Array, last: Array
 ) -> tuple[Rays, Hits, Rays]:

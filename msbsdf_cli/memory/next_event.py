@@ -18,7 +18,8 @@ from msbsdf_cli.memory.frame import (
     turned,
 )
 from msbsdf_cli.memory.march import march
-from msbsdf_cli.memory.walk import Lanes, Memory
+from msbsdf_cli.memory.next_facet import Memory
+from msbsdf_cli.memory.walk import Lanes
 from msbsdf_cli.memory.way_in import beside
 from msbsdf_cli.methods.base import Outgoing
 from msbsdf_cli.smith.slopes import Slopes

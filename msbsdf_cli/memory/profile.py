@@ -90,8 +90,8 @@ def _waves(spectrum: Spectrum) -> tuple[Array, Array]:
 
 
 def _vectors(wave: Array, root: Array, x: float) -> list[Array]:
-    """Vectors whose inner products are the covariances of the height and its first three derivatives
-    at `x`: in these, heights that are nearly equal differ to all digits."""
+    """Vectors of the height and its first three derivatives at `x`, whose inner products are their
+    covariances: in these, heights that are nearly equal differ to all digits."""
     c, s = root * np.cos(wave * x), root * np.sin(wave * x)
     square = wave * wave
     slope = -s * wave, c * wave
@@ -107,7 +107,7 @@ def _step(wave: Array, root: Array, j: int, facet: bool) -> tuple[Array, Array, 
     first, n = len(known), len(known) + len(passed)
     places = [_vectors(wave, root, (j - 1 + (k + 1) / BETWEEN) * STEP) for k in range(BETWEEN)]
     columns = [*known, *passed, places[-1][0], *(v for place in places for v in place)]
-    T = np.linalg.qr(np.stack(columns, axis=1), mode="r")
+    T = np.linalg.qr(np.stack(columns, axis=1)).R
 
     def padded(weights: Array) -> Array:
         return np.concatenate([weights[:first], blank, weights[first:]])
@@ -117,7 +117,7 @@ def _step(wave: Array, root: Array, j: int, facet: bool) -> tuple[Array, Array, 
     mean = np.linalg.solve(T[:n, :n], T[:n, n:])
     between = np.stack([padded(w) for w in mean.T]).reshape(BETWEEN, 4, -1)
     rest = T[n:, n:].reshape(-1, BETWEEN, 4)[..., 1:3]
-    low = [np.linalg.qr(rest[:, k], mode="r").T for k in range(BETWEEN)]
+    low = [np.linalg.qr(rest[:, k]).R.T for k in range(BETWEEN)]
     return one, np.abs(T[n - 1, n - 1]), between, np.stack(low)
 
 
@@ -139,8 +139,8 @@ def draw(found: Profile, facet: Array, rng: np.random.Generator) -> Crossings:
         hit = over.any(axis=0)
         some = np.flatnonzero(hit)
         if some.size:
-            rays = (a.take(some, axis=-1) for a in (known, start[0], delta, climb, above))
-            met.append(Crossings(lanes.take(some), *_crossings(found, j, *rays, rng)))
+            rays = [a.take(some, axis=-1) for a in (known, start[0], delta, climb, above)]
+            met.append(Crossings(lanes.take(some), *_crossings(found, j, rng, *rays)))
         on = np.flatnonzero(~hit & (start[0] + climb * x[-1] < TOP))
         passed = known[4:]
         if on.size < lanes.size:
@@ -153,12 +153,12 @@ def draw(found: Profile, facet: Array, rng: np.random.Generator) -> Crossings:
 def _crossings(
     found: Profile,
     j: int,
+    rng: np.random.Generator,
     known: Array,
     h: Array,
     delta: Array,
     climb: Array,
     above: Array,
-    rng: np.random.Generator,
 ) -> tuple[Array, ...]:
     """Distances, heights, slopes and second derivatives where rays cross the surface in step `j`:
     `above` (places, n) is how far it rises above them."""

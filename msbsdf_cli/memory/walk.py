@@ -9,9 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msbsdf_cli.memory.correlation import Correlation, correlation
-from msbsdf_cli.memory.entry import Entry, entry
-from msbsdf_cli.memory.escape import Escape
 from msbsdf_cli.memory.facets import Facets, remembered, spread_out
 from msbsdf_cli.memory.frame import (
     Directions,
@@ -22,44 +19,18 @@ from msbsdf_cli.memory.frame import (
     slopes_along,
     turned,
 )
-from msbsdf_cli.memory.march import NOWHERE, Hits, likelihood, march
-from msbsdf_cli.memory.profile import Profile, draw, profile
-from msbsdf_cli.memory.way_in import WayIn, beside, way_in
+from msbsdf_cli.memory.next_facet import Memory, next_facets
+from msbsdf_cli.memory.way_in import beside
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import leave, sign
 from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array
 from surfaces.light import Light, append_event
 from surfaces.materials import Material
-from surfaces.spectrum import GAUSSIAN, Spectrum
 
 BLOCK = 1 << 16
 """Walks handled together: of these a fourth or less march on, and the cost of a NumPy call is
 spread over enough of them in all but the last steps."""
-
-SURE = 1.02, 1e-3
-"""Rays of which the table says that the hazard comes to less than E by so much, as a factor and in
-itself, leave; where the others meet the surface, or whether, the march says."""
-
-
-@dataclass(frozen=True, eq=False)
-class Memory:
-    """The surface that a walk remembers: its autocorrelation, and what follows from it."""
-
-    correlation: Correlation
-    escape: Escape
-    entry: Entry
-    way_in: WayIn
-    profile: Profile | None
-    """What the heights that a ray has passed say, where these are remembered too."""
-
-    @classmethod
-    def of(cls, spectrum: Spectrum = GAUSSIAN, number: int = 1) -> "Memory":
-        """That of a spectrum, as `--memory` has the `number`, 1 or 2; tables are made once in a
-        process, in some seconds."""
-        first = entry(spectrum)
-        heights = profile(spectrum) if number == 2 else None
-        return cls(correlation(spectrum), first.escape, first, way_in(spectrum), heights)
 
 
 @dataclass
@@ -189,59 +160,6 @@ def came_from_outside(slopes: Slopes, lanes: Lanes, after: Lanes, ray: Direction
         # The way in is on the other side of the surface.
         before[0] = np.where(after.inside == lanes.inside, before[0], 0)
     return before
-
-
-def next_facets(
-    memory: Memory, facet: Array, rng: np.random.Generator, before: Array | None = None
-) -> tuple[Hits, Array]:
-    """What rays meet next that leave facets of the four numbers `facet` (4, n), and who of them
-    meets nothing, (n,) of bool; `before` (5, n) is what is known of the ways in of rays from first
-    facets, for which nothing is met more often."""
-    if memory.profile is not None:
-        return passing(memory, memory.profile, facet, rng, before)
-    delta, h, s, u = facet
-    E = rng.standard_exponential(h.size, dtype=np.float32)
-    total = memory.escape.hazard(h, s + delta, delta, u)
-    away = SURE[0] * total + SURE[1] <= E
-    seeking = np.flatnonzero(~away)
-    known = None if before is None else (memory.way_in, before.take(seeking, axis=1))
-    facet, E = facet.take(seeking, axis=1), E.take(seeking)
-    hits, others = march(memory.correlation, facet, E, known=known)
-    away[seeking[others.slot]] = True
-    hits.slot = seeking[hits.slot]
-    return hits, away
-
-
-def passing(
-    memory: Memory,
-    heights: Profile,
-    facet: Array,
-    rng: np.random.Generator,
-    before: Array | None,
-) -> tuple[Hits, Array]:
-    """The same where the heights that rays pass are remembered."""
-    bend, found = memory.correlation.bend, []
-    numbers = facet.astype(float)
-    numbers[3] = bend * numbers[3] - numbers[1]
-    lanes = np.arange(facet.shape[1])
-    while lanes.size:
-        met = draw(heights, numbers.take(lanes, axis=1), rng)
-        met.slot = lanes.take(met.slot)
-        if before is None:
-            keep = np.ones(met.slot.size, bool)
-        else:
-            known = memory.way_in, before.take(met.slot, axis=1)
-            share = likelihood(memory.correlation, facet.take(met.slot, axis=1), met.x, *known)
-            keep = rng.random(met.slot.size) < share
-        found.append(met.compress(keep))
-        # Of surfaces that the way in makes so much less likely, others are drawn.
-        lanes = met.slot.compress(~keep)
-    all_met = concatenate(found)
-    away = np.ones(facet.shape[1], bool)
-    away[all_met.slot] = False
-    place = np.where(all_met.x < memory.correlation.x[-1], memory.correlation.index(all_met.x), NOWHERE)
-    numbers = np.stack([all_met.slope, (all_met.second + all_met.h) / bend]).astype(np.float32)
-    return Hits(all_met.slot, all_met.h.astype(np.float32), place, numbers), away
 
 
 def scatter(material: Material, lanes: Lanes, rng: np.random.Generator) -> Lanes:

@@ -17,10 +17,10 @@ from functools import lru_cache
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from msbsdf_cli.memory import normal
+from msbsdf_cli.memory import hazard, normal
 from msbsdf_cli.memory.correlation import Correlation, correlation, derivatives
 from msbsdf_cli.memory.frame import Directions
-from msbsdf_cli.memory.hazard import Parts, linear
+from msbsdf_cli.memory.hazard import Parts
 from surfaces.facet import Array
 from surfaces.spectrum import Spectrum
 
@@ -85,7 +85,7 @@ class WayIn:
                 r1, r2 = self.height.ravel().take(at), self.slope.ravel().take(at)
                 # A way in as good as vertical is above everything.
                 with np.errstate(over="ignore"):
-                    level = np.minimum(linear(cor.distances[0], cor.index(t), facet), MOST)
+                    level = np.minimum(hazard.linear(cor.distances[0], cor.index(t), facet), MOST)
             rest = np.maximum(1 - r1 * r1 - r2 * r2 * (1 - scatter), REST)
             crossing = (level - r1 * b - r2 * k) / np.sqrt(rest)
             rest = np.maximum(1 - r1 * r1 * narrower, REST)
@@ -94,6 +94,22 @@ class WayIn:
             least = np.minimum(least, ratio - normal.LOG_BELOW.take(normal.node(free)))
         found[some] = np.exp(least)
         return found
+
+    def likelihood(self, facet: Array, x: Array, before: Array) -> Array:
+        """How much less likely, at most 1, light is to have come in by ways of which `before` is
+        known, (5, n), to surfaces that rays cross at `x` (n,) than to others; for rays that leave
+        facets of the four numbers `facet` (4, n)."""
+        cor, share = correlation(self.spectrum), np.empty_like(x)
+        level, c = facet[1] + (facet[0] + facet[2]) * x, facet[0] + facet[2]
+        near, far = np.flatnonzero(x < cor.x[-1]), np.flatnonzero(x >= cor.x[-1])
+        place = cor.index(x.take(near))
+        parts = hazard.near(cor, place, facet.take(near, axis=1))
+        for some, after, i in (
+            (near, parts, place),
+            (far, hazard.far(cor, level[far], c[far]), None),
+        ):
+            share[some] = self.factor(before[:, some], facet[1, some], x[some], after, i)
+        return share
 
     def _forgotten(
         self, cor: Correlation, x: Array, t: Array, cos: Array, sin: Array

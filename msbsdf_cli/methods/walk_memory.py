@@ -5,7 +5,8 @@ import numpy as np
 from msbsdf_cli.memory import next_event
 from msbsdf_cli.memory.facets import Facets
 from msbsdf_cli.memory.frame import Directions, directions
-from msbsdf_cli.memory.walk import Lanes, Memory, random_walk
+from msbsdf_cli.memory.next_facet import Memory
+from msbsdf_cli.memory.walk import Lanes, random_walk
 from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.paths import coloured, lanes_for

@@ -72,7 +72,7 @@ def test_the_chart_against_surfaces_has_the_distance_in_each_error(tmp_path):
     [
         (["walk", "--memory", "1", "--slopes", "ggx"], "beckmann"),
         (["walk", "--memory", "1", "--heights", "uniform"], "gaussian"),
-        (["walk", "--memory", "2"], "--memory"),
+        (["walk", "--memory", "3"], "--memory"),
         (["compare", "--memory", "1", "--method", "walk"], "walk-memory"),
         (["compare", "--memory", "1", "--autocorrelation", "gaussian,exponential"], "--memory"),
         (["compare", "--memory", "1", "--heights-of", "pits:1"], "--memory"),

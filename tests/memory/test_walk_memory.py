@@ -11,8 +11,10 @@ from msbsdf_cli.memory.entry import Lambda
 from msbsdf_cli.memory.facets import Conditional, facing, remembered, visible
 from msbsdf_cli.memory.frame import curvature, directions, normals, slopes_along, turned
 from msbsdf_cli.memory.march import NOWHERE
+from msbsdf_cli.memory.next_facet import Memory
 from msbsdf_cli.memory.normal import depth
-from msbsdf_cli.memory.walk import Memory, random_walk
+from msbsdf_cli.memory.remembered import Remembered
+from msbsdf_cli.memory.walk import random_walk
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.walk_memory import WalkMemory
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
@@ -227,5 +229,5 @@ def test_other_slopes_and_numbers_are_refused():
 
 def test_jobs_are_repeated_exactly():
     model = ms.Smith(Beckmann(1, 1), Dielectric(1.5))
-    job = WalkJob(model, direction(1.0), 4, 500, 3, 0, 0, 100, spectrum("matern:1.5"))
+    job = WalkJob(model, direction(1.0), 4, 500, 3, 0, 0, 100, Remembered(spectrum("matern:1.5")))
     np.testing.assert_array_equal(run_walks(job)[1].sums, run_walks(job)[1].sums)

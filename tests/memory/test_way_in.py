@@ -9,7 +9,7 @@ import msbsdf_cli as ms
 from msbsdf_cli.memory.correlation import correlation, derivatives
 from msbsdf_cli.memory.march import march
 from msbsdf_cli.memory.next_event import more_often
-from msbsdf_cli.memory.walk import Memory
+from msbsdf_cli.memory.next_facet import Memory
 from msbsdf_cli.memory.way_in import correlations, way_in
 from msbsdf_cli.smith.slopes import Beckmann
 from surfaces.materials import Diffuse
