@@ -19,7 +19,8 @@ from surfaces.facet import Array
 from surfaces.spectrum import Spectrum
 
 STEP = 0.6
-"""Distance between two heights, where slopes have variance 1."""
+"""Distance between two heights, where slopes have variance 1 and curvatures 3, as those of a
+Gaussian spectrum; shorter where the surface is bent more."""
 
 HEIGHTS = 8
 """Heights remembered: those of three correlation lengths of a Gaussian spectrum."""
@@ -44,6 +45,8 @@ ANGLES = 24
 class Profile:
     """What is drawn at each step, the last of them for all beyond, where the facet is forgotten."""
 
+    step: float
+    """Distance between two heights."""
     next: Array
     """Weights of the facet's height, slope and second derivative and of the last heights, oldest
     first, in the mean of the next height, (steps, 3 + heights)."""
@@ -74,10 +77,12 @@ class Crossings(Batch):
 @lru_cache(maxsize=2)
 def profile(spectrum: Spectrum) -> Profile:
     """That of surfaces of a spectrum."""
-    last = int(correlation(spectrum).x[-1] / STEP) + HEIGHTS + 1
+    cor = correlation(spectrum)
+    step = STEP * float(np.sqrt(3 / cor.fourth))
+    last = int(cor.x[-1] / step) + HEIGHTS + 1
     wave, root = _waves(spectrum)
-    rows = [_step(wave, root, j, j < last) for j in range(1, last + 1)]
-    return Profile(*(np.array(a) for a in zip(*rows, strict=True)))
+    rows = [_step(wave, root, step, j, j < last) for j in range(1, last + 1)]
+    return Profile(step, *(np.array(a) for a in zip(*rows, strict=True)))
 
 
 def _waves(spectrum: Spectrum) -> tuple[Array, Array]:
@@ -99,13 +104,15 @@ def _vectors(wave: Array, root: Array, x: float) -> list[Array]:
     return [np.concatenate(part) for part in parts]
 
 
-def _step(wave: Array, root: Array, j: int, facet: bool) -> tuple[Array, Array, Array, Array]:
+def _step(
+    wave: Array, root: Array, step: float, j: int, facet: bool
+) -> tuple[Array, Array, Array, Array]:
     """The rows of `Profile` for step `j`, with or without the `facet`."""
     known = _vectors(wave, root, 0)[:3] if facet else []
     blank = np.zeros(3 - len(known) + HEIGHTS - min(j - 1, HEIGHTS))
-    passed = [_vectors(wave, root, i * STEP)[0] for i in range(max(j - HEIGHTS, 1), j)]
+    passed = [_vectors(wave, root, i * step)[0] for i in range(max(j - HEIGHTS, 1), j)]
     first, n = len(known), len(known) + len(passed)
-    places = [_vectors(wave, root, (j - 1 + (k + 1) / BETWEEN) * STEP) for k in range(BETWEEN)]
+    places = [_vectors(wave, root, (j - 1 + (k + 1) / BETWEEN) * step) for k in range(BETWEEN)]
     columns = [*known, *passed, places[-1][0], *(v for place in places for v in place)]
     T = np.linalg.qr(np.stack(columns, axis=1)).R
 
@@ -133,7 +140,7 @@ def draw(found: Profile, facet: Array, rng: np.random.Generator) -> Crossings:
         known = np.concatenate([start, passed])
         new = found.next[i] @ known + found.spread[i] * rng.standard_normal(lanes.size)
         known = np.concatenate([known, new[None]])
-        x = (j + (np.arange(BETWEEN) + 1) / BETWEEN) * STEP
+        x = (j + (np.arange(BETWEEN) + 1) / BETWEEN) * found.step
         above = found.between[i, :, 0] @ known - (start[0] + np.multiply.outer(x, climb))
         over = above > 0
         hit = over.any(axis=0)
@@ -162,9 +169,9 @@ def _crossings(
 ) -> tuple[Array, ...]:
     """Distances, heights, slopes and second derivatives where rays cross the surface in step `j`:
     `above` (places, n) is how far it rises above them."""
-    lanes, length = np.arange(h.size), STEP / BETWEEN
+    lanes, length = np.arange(h.size), found.step / BETWEEN
     k = (above > 0).argmax(axis=0)
-    last = known[-2] - (h + climb * (j * STEP)) if j else -delta * length
+    last = known[-2] - (h + climb * (j * found.step)) if j else -delta * length
     before = np.where(k > 0, above[k - 1, lanes], last)
     rest = above[k, lanes] / (above[k, lanes] - before) * length
     x = (j * BETWEEN + k + 1) * length - rest

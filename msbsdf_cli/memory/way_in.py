@@ -31,8 +31,11 @@ NEAR = 0.3
 """Distance below which two points are as correlated, given the facet, as they are there in the
 same directions: both heights are off the parabola by the cube of the distance."""
 
-NODES = 2000
-"""Of the spline through the autocorrelation, right to 1e-12."""
+NODES = 3000
+"""Of the spline through the autocorrelation, denser towards 0, where short waves show."""
+
+ROUNDING = 1e-12
+"""Of variances."""
 
 ABOVE = 6.0
 """Standard deviations above the surface at which a ray is not met, 1e-9 of the time."""
@@ -138,7 +141,7 @@ def way_in(spectrum: Spectrum) -> WayIn:
     first = int(np.searchsorted(lattice, NEAR)) - 1
     x = np.maximum(lattice[first:], NEAR)
     farther = 0.0, cor.lag
-    grid = np.linspace(0, 2 * (lattice[-1] + cor.lag), NODES)
+    grid = 2 * (lattice[-1] + cor.lag) * np.linspace(0, 1, NODES) ** 2
     spline = CubicSpline(grid, derivatives(spectrum, grid), axis=1)
     sin = ((np.arange(ANGLES) + 0.5) / ANGLES)[:, None]
     both = [correlations(spline, x, x * np.sqrt(1 - sin * sin) + more, sin) for more in farther]
@@ -155,13 +158,15 @@ def correlations(R: CubicSpline, x: Array, t: Array, sin: Array) -> tuple[Array,
     p, (q, s) = _covariances(R, t)[0], _covariances(R, x)
     apart = np.hypot(x - t * cos, t * sin)
     value, bend = R(apart)[:2]
-    pp, qq = (1 - _told(a, a, 1.0, fourth) for a in (p, q))
-    qs, ss = -_told(q, s, 1.0, fourth), 1 - _told(s, s, 1.0, fourth)
+    pp, qq, ss = (np.maximum(1 - _told(a, a, 1.0, fourth), ROUNDING) for a in (p, q, s))
+    qs = -_told(q, s, 1.0, fourth)
     pq = value - _told(p, q, cos, fourth)
     ps = bend * (x - t * cos) / apart - _told(p, s, cos, fourth)
-    height = pq / np.sqrt(pp * qq)
-    slope = (ps - pq * qs / qq) / np.sqrt(pp * (ss - qs * qs / qq))
-    return height, slope
+    height = np.clip(pq / np.sqrt(pp * qq), -1, 1)
+    slope = (ps - pq * qs / qq) / np.sqrt(pp * np.maximum(ss - qs * qs / qq, ROUNDING))
+    # What the height leaves of the variance is the most that the slope tells.
+    most = np.sqrt(1 - height * height)
+    return height, np.clip(slope, -most, most)
 
 
 def _covariances(R: CubicSpline, x: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:

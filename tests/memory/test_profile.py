@@ -8,7 +8,7 @@ import msbsdf_cli as ms
 from msbsdf_cli.memory import profile
 from msbsdf_cli.memory.correlation import derivatives
 from msbsdf_cli.memory.next_facet import Memory
-from msbsdf_cli.memory.profile import BETWEEN, HEIGHTS, STEP, draw
+from msbsdf_cli.memory.profile import BETWEEN, HEIGHTS, draw
 from msbsdf_cli.memory.walk import random_walk
 from msbsdf_cli.smith.slopes import Beckmann
 from surfaces.materials import Conductor, Dielectric, Diffuse
@@ -34,10 +34,10 @@ def test_what_is_drawn_has_the_joint_distribution(name, step):
     forgotten."""
     found = profile.profile(spectrum(name))
     facet = [(0, 0), (1, 0), (2, 0)] if step > 0 else []
-    passed = [(0, i * STEP) for i in range(1, step if step > 0 else HEIGHTS + 1)]
+    passed = [(0, i * found.step) for i in range(1, step if step > 0 else HEIGHTS + 1)]
     j = len(passed) + 1
-    place = (j - 1 + 2 / BETWEEN) * STEP
-    C = covariance(name, [*facet, *passed, (0, j * STEP), (0, place), (1, place)])
+    place = (j - 1 + 2 / BETWEEN) * found.step
+    C = covariance(name, [*facet, *passed, (0, j * found.step), (0, place), (1, place)])
     n = len(facet) + len(passed)
     weights = np.linalg.solve(C[:n, :n], C[:n, n])
     row = found.next[j - 1 if step > 0 else -1]
