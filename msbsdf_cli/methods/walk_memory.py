@@ -28,8 +28,8 @@ class WalkMemory(FollowsPaths):
     facet, the energy towards wo is what the facets that might as well have been met send there,
     times the probability of leaving that way unhindered from there.
 
-    The first order of specular facets has no noise but that of a quadrature over heights and
-    curvatures.
+    The first order knows that light came in, too; of specular facets it has no noise but that of a
+    quadrature over heights and curvatures.
     """
 
     name = "walk-memory"

@@ -34,12 +34,14 @@ def main(reports: list[str]) -> None:
         told = [r for r in found if r.quantity == quantity and r.smith > 3 * r.stderr]
         for name in ("memory", "memory_2"):
             error = [(getattr(r, name), r.stderr, r.smith) for r in told]
-            met = sum(e - noise <= share * smith for e, noise, smith in error)
-            sure = sum(e + noise <= share * smith for e, noise, smith in error)
+            met, near, sure = (
+                sum(e + sign * noise <= share * smith for e, noise, smith in error)
+                for sign in (0, -1, 1)
+            )
             worse = sum(e - 2 * noise > smith for e, noise, smith in error)
             print(
                 f"{name}, {quantity}: at most {share:.2g} of Smith's in {met} of {len(told)} cells "
-                f"({sure} for certain), more than Smith's in {worse}",
+                f"(within a standard error {near}, by more {sure}), more than Smith's in {worse}",
                 file=sys.stderr,
             )
 

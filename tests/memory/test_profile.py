@@ -15,6 +15,7 @@ from surfaces.materials import Conductor, Dielectric, Diffuse
 from surfaces.spectrum import GAUSSIAN, spectrum
 
 RNG = np.random.default_rng
+LENGTH = 0.6
 
 
 def covariance(name, functionals):
@@ -32,24 +33,24 @@ def covariance(name, functionals):
 def test_what_is_drawn_has_the_joint_distribution(name, step):
     """Conditioned by inverting covariances, for a step at the facet and one where it is
     forgotten."""
-    found = profile.profile(spectrum(name))
     facet = [(0, 0), (1, 0), (2, 0)] if step > 0 else []
-    passed = [(0, i * found.step) for i in range(1, step if step > 0 else HEIGHTS + 1)]
+    passed = [(0, i * LENGTH) for i in range(1, step if step > 0 else HEIGHTS + 1)]
     j = len(passed) + 1
-    place = (j - 1 + 2 / BETWEEN) * found.step
-    C = covariance(name, [*facet, *passed, (0, j * found.step), (0, place), (1, place)])
+    waves = profile._waves(spectrum(name))
+    row, spread, between, _ = profile._step(*waves, LENGTH, j if facet else 99, bool(facet))
+    C = covariance(
+        name,
+        [*facet, *passed, (0, j * LENGTH)]
+        + [(n, (j - 1 + 2 / BETWEEN) * LENGTH) for n in range(2)],
+    )
     n = len(facet) + len(passed)
     weights = np.linalg.solve(C[:n, :n], C[:n, n])
-    row = found.next[j - 1 if step > 0 else -1]
-    row = np.concatenate([row[: len(facet)], row[3 + HEIGHTS - len(passed) :]])
-    np.testing.assert_allclose(row, weights, atol=1e-4)
-    spread = np.sqrt(C[n, n] - C[:n, n] @ weights)
-    assert found.spread[j - 1 if step > 0 else -1] == pytest.approx(spread, rel=1e-3)
+    known = [*range(len(facet)), *range(3 + HEIGHTS - len(passed), 3 + HEIGHTS)]
+    np.testing.assert_allclose(row[known], weights, atol=1e-4)
+    assert spread == pytest.approx(np.sqrt(C[n, n] - C[:n, n] @ weights), rel=1e-3)
     n += 1
     both = np.linalg.solve(C[:n, :n], C[:n, n:]).T
-    rows = found.between[j - 1 if step > 0 else -1, 1, :2]
-    rows = np.concatenate([rows[:, : len(facet)], rows[:, 3 + HEIGHTS - len(passed) :]], axis=1)
-    np.testing.assert_allclose(rows, both, atol=1e-4)
+    np.testing.assert_allclose(between[1, :2][:, [*known, 3 + HEIGHTS]], both, atol=1e-4)
 
 
 @pytest.mark.parametrize(("c", "h"), [(0.9, -1.0), (0.24, 0.0)])
