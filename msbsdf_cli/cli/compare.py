@@ -51,7 +51,7 @@ def command(runs: tuple[str, ...], **options: Any) -> None:
     RUN is the directory of a report of `simulate` or `walk`; what is not given is run, for the
     same scene. Writes agreement.csv and pictures, and the reports that it made as directories.
     With --method, the lobes of other methods are held against the surfaces instead of the walk;
-    with --memory 1, a walk that remembers the last facet is. With several --autocorrelation, the
+    with --memory 1 or 2, a walk that remembers the surface is. With several --autocorrelation, the
     walk is held against surfaces of each, which Smith's cannot tell apart, and spectra.png shows
     how far its multiple bounces are off.
 

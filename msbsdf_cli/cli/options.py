@@ -168,11 +168,11 @@ _OPTIONS: dict[str, Any] = {
         help="Distribution of the heights: gaussian, or of skewness S (1): ridges:S, pits:S.",
     ),
     "memory": dict(
-        type=click.IntRange(0, 1),
+        type=click.IntRange(0, 2),
         default=0,
         metavar="K",
-        help="Facets that a walk remembers: 0 is the Smith model; 1: heights are those of a "
-        "Gaussian surface of --autocorrelation, given the last facet.",
+        help="What a walk remembers of a Gaussian surface of --autocorrelation: 0: nothing, the "
+        "Smith model; 1: the last facet; 2: also the heights passed since, 4 times slower.",
     ),
     "waves": dict(
         type=Count(most=1_000_000),

@@ -1,4 +1,5 @@
-"""What remembering a facet is worth: Smith's walk and one with memory, held against one simulation.
+"""What remembering a facet is worth: Smith's walk and those with
+memory, held against one simulation.
 
 `wrong_order` is the share of the light that a model puts into the wrong order or on the wrong side,
 half the sum of absolute differences; `total_variation` that in bins of directions and
@@ -14,7 +15,8 @@ import numpy as np
 from msbsdf_cli.experiments.compare import Row as Difference
 from msbsdf_cli.experiments.compare import agreement
 from msbsdf_cli.experiments.walks import add_free_paths, walk
-from msbsdf_cli.memory.walk import Memory
+from msbsdf_cli.memory.next_facet import Memory
+from msbsdf_cli.memory.remembered import MOST, Remembered
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
 from surfaces.spectrum import Spectrum
@@ -33,10 +35,12 @@ class Row:
     """Where free paths start; of energies and lobes nothing."""
     smith: float
     memory: float
+    memory_2: float
     stderr: float
-    """Of either, from the noise of the simulation, which is common to both."""
+    """Of each, from the noise of the simulation, which is common to all."""
     cpu_smith_s: float
     cpu_memory_s: float
+    cpu_memory_2_s: float
     """Processor time of the walks of all angles, tables apart."""
 
 
@@ -50,8 +54,10 @@ def rows(simulated: Run, spectrum: Spectrum, walks: int, seed: int) -> list[Row]
     model for each incident angle."""
     lobes = simulated.lobes()
     models = []
-    Memory.of(spectrum)
-    for memory in (None, spectrum):
+    remembered = [Remembered(spectrum, number) for number in range(1, MOST + 1)]
+    for memory in (None, *remembered):
+        if memory is not None:
+            Memory.of(*memory)
         paths, none = simulated.free_paths.empty(), FreePaths((), (), np.array([0.0, 1.0]))
         started = time.process_time()
         how = none, "gaussian", seed, 1, "float64", 10_000, True, memory
@@ -69,7 +75,7 @@ def _row(
     quantity, theta, start = place
     scene = run.scene
     about = quantity, scene.material.name, *scene.alpha, theta, start
-    return Row(*about, found[0], found[1], e, *(m.cpu_s for m in models))
+    return Row(*about, found[0], found[1], found[2], e, *(m.cpu_s for m in models))
 
 
 def _orders(run: Run, models: list[_Modelled]) -> list[Row]:
@@ -100,8 +106,8 @@ def _distances(run: Run, models: list[_Modelled]) -> list[Row]:
             found.setdefault(place, []).append(d)
     made = []
     for place, each in found.items():
-        half = len(each) // len(models)
-        parts = each[:half], each[half:]
+        size = len(each) // len(models)
+        parts = [each[start : start + size] for start in range(0, len(each), size)]
         own = [sum(d.own for d in part) for part in parts]
         error = float(np.sqrt(sum(d.own_stderr**2 for d in parts[1])))
         made.append(_row(run, models, place, own, error))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msbsdf_cli.checks import count, direction_in
+from msbsdf_cli.memory.remembered import MOST, Remembered
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.result import Result
 from msbsdf_cli.run.executors import Workers, map_ordered
@@ -14,7 +15,7 @@ from msbsdf_cli.smith.walk import random_walk
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
 from surfaces.light import Light
-from surfaces.spectrum import Spectrum, spectrum
+from surfaces.spectrum import spectrum
 from surfaces.streams import stream
 
 WALKS = 1 << 18
@@ -35,8 +36,8 @@ class WalkJob:
     index: int
     part: int
     max_order: int
-    memory: Spectrum | None = None
-    """Of the surface that is remembered; None: Smith, who remembers nothing."""
+    memory: Remembered | None = None
+    """None: Smith, who remembers nothing."""
 
     def lights(self) -> Iterator[Light]:
         """The light that leaves."""
@@ -45,16 +46,19 @@ class WalkJob:
         if self.memory is None:
             return random_walk(*walks)
         # Not above: few walks need what it is made of.
-        from msbsdf_cli.memory import walk as with_memory
+        from msbsdf_cli.memory import next_facet
+        from msbsdf_cli.memory.walk import random_walk as with_memory
 
-        return with_memory.random_walk(with_memory.Memory.of(self.memory), *walks)
+        return with_memory(next_facet.Memory.of(*self.memory), *walks)
 
 
-def remembered_surface(slopes: Slopes, memory: int, autocorrelation: str) -> Spectrum | None:
-    """The spectrum of the surface that walks remember `memory` facets of; None for 0. Raises
-    ValueError where there is none."""
-    if memory not in (0, 1):
-        raise ValueError(f"memory is {memory}: 0, or 1 for the last facet.")
+def remembered_surface(slopes: Slopes, memory: int, autocorrelation: str) -> Remembered | None:
+    """What walks remember with `memory`; None for 0. Raises ValueError where there is no such
+    walk."""
+    if memory not in range(MOST + 1):
+        raise ValueError(
+            f"memory is {memory}: 0, 1 for the last facet, or 2 for the heights passed since, too."
+        )
     if memory == 0:
         return None
     if slopes.name != "beckmann":
@@ -62,7 +66,7 @@ def remembered_surface(slopes: Slopes, memory: int, autocorrelation: str) -> Spe
             f"the slopes are {slopes.name}: a walk remembers facets of Gaussian surfaces, whose "
             "slopes are beckmann."
         )
-    return spectrum(autocorrelation)
+    return Remembered(spectrum(autocorrelation), memory)
 
 
 def run_walks(job: WalkJob) -> tuple[int, Tally]:
@@ -81,7 +85,7 @@ def jobs(
     seed: int,
     max_order: int,
     index: int = 0,
-    memory: Spectrum | None = None,
+    memory: Remembered | None = None,
 ) -> Iterator[WalkJob]:
     """The parts of `samples` walks."""
     for part, start in enumerate(range(0, samples, WALKS)):
@@ -104,7 +108,8 @@ def walk(
     """Follow `samples` random walks from the unit vector `wi` (3,), z > 0 ([HHdD16] Algorithm 7).
 
     With `memory` 1 heights are those of a Gaussian surface of this `autocorrelation`, as far as the
-    last facet tells of them (`msbsdf_cli.memory`); with 0, Smith's, who takes them as independent.
+    last facet tells of them (`msbsdf_cli.memory`), with 2 as far as that and the heights that the
+    ray has passed do; with 0, Smith's, who takes them as independent.
     What is still under way after `max_order` facets counts as unresolved. `executor` is anything
     with `submit`, or a number of processes; without it the walks run here. The numbers depend on
     `seed` alone. Raises ValueError for what is out of range.

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
+from msbsdf_cli.memory.remembered import Remembered
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
@@ -17,7 +18,6 @@ from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import exponential, free_path
 from msbsdf_cli.statistics.tally import Tally
 from surfaces.facet import Array
-from surfaces.spectrum import Spectrum
 from surfaces.streams import stream
 
 FREE_PATH_UNITS = 64
@@ -34,12 +34,12 @@ def walk(
     precision: str,
     max_order: int,
     quiet: bool,
-    memory: Spectrum | None = None,
+    memory: Remembered | None = None,
 ) -> Run:
     """`samples` walks for each incident angle, and as many free paths in all for each row.
 
-    With `memory`, walks and free paths remember the last facet of a surface of this spectrum. The
-    numbers depend on `seed` and not on `workers`.
+    With `memory`, walks and free paths remember the surface. The numbers depend on `seed` and not
+    on `workers`.
     """
     started, free_paths = time.monotonic(), wanted.empty()
     tallies = [Tally(scene.orders) for _ in scene.theta]
@@ -57,7 +57,7 @@ def walk(
             progress.advance(tally.rays)
     wall_s = time.monotonic() - started
     add_free_paths(scene, free_paths, heights, samples, seed, memory)
-    remembers = int(memory is not None)
+    remembers = 0 if memory is None else memory.number
     return Run("walk", scene, tallies, free_paths, heights, wall_s=wall_s, memory=remembers)
 
 
@@ -67,7 +67,7 @@ def add_free_paths(
     heights: str,
     samples: int,
     seed: int,
-    memory: Spectrum | None = None,
+    memory: Remembered | None = None,
 ) -> None:
     """Draw about `samples` free paths for each row of `free_paths`, or `WALKS` if that is less."""
     if memory is None:

@@ -6,19 +6,19 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from msbsdf_cli.memory.frame import Directions, directions
-from msbsdf_cli.memory.walk import Memory, next_facets
+from msbsdf_cli.memory.next_facet import Memory, next_facets
+from msbsdf_cli.memory.remembered import Remembered
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
-from surfaces.spectrum import Spectrum
 
 
 def shares(
-    spectrum: Spectrum, slopes: Slopes, edges: Array
+    remembered: Remembered, slopes: Slopes, edges: Array
 ) -> Callable[[Array, float, int, np.random.Generator], Array]:
     """What draws, for a direction (3, 1), a height of start, infinite for rays from outside, and a
     number of rays, the shares (bins + 1,) that next meet heights between `edges`, and that
     escape."""
-    memory = Memory.of(spectrum)
+    memory = Memory.of(*remembered)
 
     def draw(d: Array, start: float, n: int, rng: np.random.Generator) -> Array:
         ray = directions(slopes, d)

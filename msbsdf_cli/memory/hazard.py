@@ -16,14 +16,29 @@ through it elsewhere, -d ln P(h(x) < l) / dx = (nu - nu_down) / P(h(x) < l): so 
 hazard is a difference of logarithms, which no step is too long for, and that of the downward
 crossings."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from msbsdf_cli.memory import normal
 from msbsdf_cli.memory.correlation import Correlation
 from surfaces.facet import Array
 
-Parts = tuple[Array, Array, Array]
-"""ln P(h < l), downward crossings over P per length, and the factor of looking back, (n,)."""
+
+class Parts(NamedTuple):
+    """What the hazard is made of, (n,)."""
+
+    below: Array
+    """ln P(h < l)."""
+    down: Array
+    """Downward crossings over P per length."""
+    factor: Array
+    """Of looking back."""
+    b: Array
+    """Of the ray above the surface, in standard deviations."""
+    at_b: Array
+    at_k: Array
+    """Nodes of that, and of what the ray's slope is above the surface's."""
 
 
 def near(correlation: Correlation, place: Array, facet: Array) -> Parts:
@@ -62,4 +77,5 @@ def _parts(b: Array, k: Array, back: Array, height: Array, slope: Array, rate: A
     factor = np.exp(
         normal.LOG_BELOW.take(normal.node(crossing)) - normal.LOG_BELOW.take(normal.node(free))
     )
-    return normal.LOG_BELOW.take(at_b), rate * M * normal.LESS.take(at_k), factor
+    down = rate * M * normal.LESS.take(at_k)
+    return Parts(normal.LOG_BELOW.take(at_b), down, factor, b, at_b, at_k)

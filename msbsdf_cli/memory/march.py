@@ -11,6 +11,7 @@ import numpy as np
 
 from msbsdf_cli.memory import hazard, normal
 from msbsdf_cli.memory.correlation import STEP, Correlation
+from msbsdf_cli.memory.way_in import WayIn
 from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array
 
@@ -51,7 +52,9 @@ class Rays(Batch):
     down: Array
     """Downward crossings there."""
     factor: Array
-    """Of looking back."""
+    """Of looking back, and of the way in."""
+    before: Array | None = None
+    """What is known of the way in, (5, n) as `way_in.beside` has it, of rays from first facets."""
 
     @property
     def c(self) -> Array:
@@ -68,21 +71,29 @@ class Hits(Batch):
     """Height."""
     place: Array
     """Of the distance in the lattice, or `NOWHERE`."""
+    facet: Array | None = None
+    """Slope and curvature along the ray, (2, n), where they are known already."""
 
 
 def march(
-    correlation: Correlation, facet: Array, E: Array, fineness: float = 1.0
+    correlation: Correlation,
+    facet: Array,
+    E: Array,
+    fineness: float = 1.0,
+    known: tuple[WayIn, Array] | None = None,
 ) -> tuple[Hits, Rays]:
     """Those of the rays that meet the surface before the hazard has come to `E` (n,), and the
-    others with what is then left of it. `facet` (4, n) are delta, height, slope and curvature."""
+    others with what is then left of it. `facet` (4, n) are delta, height, slope and curvature;
+    `known` is what is known of the ways in of rays from first facets, (5, n)."""
     rays, hits, away = _start(correlation, facet, E), [], []
+    way_in, rays.before = known or (None, None)
     while rays.size:
-        rays, met, over = _step(correlation, rays, fineness)
+        rays, met, over = _step(correlation, rays, fineness, way_in)
         hits.append(met)
         away.append(over)
     rays, out = concatenate([rays, *away]), away[:0]
     while rays.size or not out:
-        rays, met, over = _far_step(correlation, rays, fineness)
+        rays, met, over = _far_step(correlation, rays, fineness, way_in)
         hits.append(met)
         out.append(over)
     return concatenate(hits), concatenate(out)
@@ -97,7 +108,9 @@ def _start(correlation: Correlation, facet: Array, E: Array) -> Rays:
     return Rays(facet, E, np.arange(x.size), x, zero[0], zero[1], one)
 
 
-def _step(correlation: Correlation, rays: Rays, fineness: float) -> tuple[Rays, Hits, Rays]:
+def _step(
+    correlation: Correlation, rays: Rays, fineness: float, way_in: WayIn | None = None
+) -> tuple[Rays, Hits, Rays]:
     """Those that go on after another step, those that met the surface in it, and those that have
     come to where nothing is remembered."""
     low, c = rays.x, rays.c
@@ -107,15 +120,18 @@ def _step(correlation: Correlation, rays: Rays, fineness: float) -> tuple[Rays, 
     i = correlation.index(low + np.clip(length, 2 * STEP * low, GROWTH * fineness * low))
     after = hazard.near(correlation, i, rays.facet)
     x = correlation.x.take(i)
+    after = _informed(way_in, rays, x, after, i)
     level = rays.facet[1] + c * x
     step, half = x - rays.x, x.dtype.type(0.5)
-    total = rays.below - after[0] + step * (rays.down + after[1]) * half
+    total = rays.below - after.below + step * (rays.down + after.down) * half
     on, hits, out = _go(rays, x, after, total, (x >= correlation.x[-1]) | (level > TOP))
     hits.place = correlation.index(hits.place)
     return on, hits, out
 
 
-def _far_step(correlation: Correlation, rays: Rays, fineness: float) -> tuple[Rays, Hits, Rays]:
+def _far_step(
+    correlation: Correlation, rays: Rays, fineness: float, way_in: WayIn | None = None
+) -> tuple[Rays, Hits, Rays]:
     """The same beyond, where the integral of Smith's hazard is Lambda times the difference of t; at
     last those that are away."""
     c = rays.c
@@ -124,10 +140,21 @@ def _far_step(correlation: Correlation, rays: Rays, fineness: float) -> tuple[Ra
     x = rays.x + CLIMB * fineness / np.abs(climb)
     level = rays.facet[1] + climb * x
     after = hazard.far(correlation, level, climb)
-    total = (after[0] - rays.below) * normal.excess(climb) / climb
+    after = _informed(way_in, rays, x, after, None)
+    total = (after.below - rays.below) * normal.excess(climb) / climb
     on, hits, out = _go(rays, x, after, total, level > TOP)
     hits.place = np.full(hits.slot.size, NOWHERE)
     return on, hits, out
+
+
+def _informed(
+    way_in: WayIn | None, rays: Rays, x: Array, after: hazard.Parts, place: Array | None
+) -> hazard.Parts:
+    """The hazard's parts `after` at distances `x` (n,), with what the way in says, if any."""
+    if way_in is None or rays.before is None:
+        return after
+    factor = way_in.factor(rays.before, rays.facet[1], x, after, place)
+    return after._replace(factor=after.factor * factor)
 
 
 def _go(
@@ -136,9 +163,8 @@ def _go(
     """Rays on to the distances `x`, where the hazard's parts are `after`, its integral over the
     step being `total` without looking back: those that go on, those that met the surface, whose
     places are distances still, and those of which it was the `last` step."""
-    below, down, factor = after
     step, half = x - rays.x, x.dtype.type(0.5)
-    total = np.maximum(total * (rays.factor + factor) * half, 0)
+    total = np.maximum(total * (rays.factor + after.factor) * half, 0)
     left = rays.left - total
     stays = left > 0
     met = np.flatnonzero(~stays)
@@ -146,6 +172,6 @@ def _go(
     where = rays.x.take(met) + part * step.take(met)
     delta, h, s, _ = rays.facet.take(met, axis=1)
     hits = Hits(rays.slot.take(met), h + (s + delta) * where, where)
-    on = Rays(rays.facet, left, rays.slot, x, below, down, factor)
+    on = Rays(rays.facet, left, rays.slot, x, after.below, after.down, after.factor, rays.before)
     out = on.compress(stays & last)
     return (on.compress(stays & ~last) if met.size or out.size else on), hits, out

@@ -7,6 +7,7 @@ specular: it is that of the facet which sends light there.
 import numpy as np
 
 from msbsdf_cli.memory.entry import bends, heights
+from msbsdf_cli.memory.escape import LEAST, largest
 from msbsdf_cli.memory.facets import Conditional, Facets
 from msbsdf_cli.memory.frame import (
     Directions,
@@ -16,14 +17,20 @@ from msbsdf_cli.memory.frame import (
     slopes_along,
     turned,
 )
-from msbsdf_cli.memory.walk import Lanes, Memory
+from msbsdf_cli.memory.march import march
+from msbsdf_cli.memory.next_facet import Memory
+from msbsdf_cli.memory.walk import Lanes
+from msbsdf_cli.memory.way_in import beside
 from msbsdf_cli.methods.base import Outgoing
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array, dot
 from surfaces.materials import Material
 
-NODES = 64, 3
+NODES = 32, 3
 """Of heights and of curvatures, over which the first order of specular facets is integrated."""
+
+SHARE = 0.125
+"""Of rays from first facets that march, which takes some times as long as looking up."""
 
 TOGETHER = 128
 """Outgoing directions integrated at once: half a megabyte for each number."""
@@ -95,14 +102,41 @@ def _both_free(
     u_o = shared * u_i + np.sqrt(np.maximum(1 - shared * shared, 0)) * u_o
     turn = -1 if there else 1
     free = memory.escape.probability(turn * h, ends.c, on, turn * u_o)
+    if not there:
+        before = beside(ends, ray, back, u_i)
+        free = free + more_often(memory, (on, h, ends.c - on, u_o), before, before[0] > 0)
     return np.einsum("hijn,h,i,j->n", seen * free, weight, share, share)
 
 
+def more_often(memory: Memory, facet: tuple[Array, ...], before: Array, which: Array) -> Array:
+    """How much likelier `which` rays (...) of bool are to leave first facets of the four numbers
+    `facet` than others, as light came in by the ways of which `before` (5, ...) is known."""
+    *numbers, which = np.broadcast_arrays(*facet, *before, which)
+    more = np.zeros(which.shape, np.float32)
+    some = np.flatnonzero(which)
+    rays = np.stack([a.ravel().take(some) for a in numbers]).astype(np.float32)
+    delta, h, s, u = left = rays[:4]
+    table = memory.escape.probability(h, s + delta, delta, u)
+    most = largest(np.maximum(s + delta, LEAST))
+    _, away = march(memory.correlation, left, most, known=(memory.way_in, rays[4:]))
+    free = np.zeros_like(table)
+    free[away.slot] = np.exp(away.left - most[away.slot])
+    # The way in makes no ray likelier to be met: less than the table's is the table's error.
+    more.ravel()[some] = np.maximum(free - table, 0)
+    return more
+
+
 def drawn(
-    memory: Memory, slopes: Slopes, material: Material, lanes: Lanes, out: Outgoing
+    memory: Memory,
+    slopes: Slopes,
+    material: Material,
+    lanes: Lanes,
+    out: Outgoing,
+    rng: np.random.Generator | None,
 ) -> tuple[Array, Array | None]:
     """Per steradian, what walks send from the diffuse facets that they have met, (n, directions),
-    and the share of each channel."""
+    and the share of each channel. Of first facets, which have an `rng`, a `SHARE` is asked what it
+    says that light came in."""
     ends = directions(slopes, out.w)
     m = lanes.m / np.sqrt(dot(lanes.m, lanes.m))
     phase = np.where(out.inside, 0, material.lobe(m.T @ out.w))
@@ -110,6 +144,14 @@ def drawn(
     above = np.maximum((lanes.m.T @ out.w).astype(np.float32) / run, np.finfo(np.float32).eps)
     u = curvature(ends, lanes.bends[:, :, None])
     free = memory.escape.probability(lanes.h[:, None], ends.c, above, u)
+    if rng is not None:
+        back = directions(slopes, -lanes.d)
+        steeper = clearance(back, -lanes.d, lanes.m)
+        bend = curvature(back, lanes.bends)
+        before = beside(ends, back.column(), steeper[:, None], bend[:, None])
+        which = (before[0] > 0) & (phase > 0) & (rng.random(free.shape, np.float32) < SHARE)
+        facet = above, lanes.h[:, None], ends.c - above, u
+        free = free + more_often(memory, facet, before, which) / SHARE
     return phase * free, material.kept(phase.dtype)[:, None]
 
 

@@ -9,9 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msbsdf_cli.memory.correlation import Correlation, correlation
-from msbsdf_cli.memory.entry import Entry, entry
-from msbsdf_cli.memory.escape import Escape
 from msbsdf_cli.memory.facets import Facets, remembered, spread_out
 from msbsdf_cli.memory.frame import (
     Directions,
@@ -22,37 +19,18 @@ from msbsdf_cli.memory.frame import (
     slopes_along,
     turned,
 )
-from msbsdf_cli.memory.march import Hits, march
+from msbsdf_cli.memory.next_facet import Memory, next_facets
+from msbsdf_cli.memory.way_in import beside
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import leave, sign
 from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array
 from surfaces.light import Light, append_event
 from surfaces.materials import Material
-from surfaces.spectrum import GAUSSIAN, Spectrum
 
 BLOCK = 1 << 16
 """Walks handled together: of these a fourth or less march on, and the cost of a NumPy call is
 spread over enough of them in all but the last steps."""
-
-SURE = 1.02, 1e-3
-"""Rays of which the table says that the hazard comes to less than E by so much, as a factor and in
-itself, leave; where the others meet the surface, or whether, the march says."""
-
-
-@dataclass(frozen=True, eq=False)
-class Memory:
-    """The surface that a walk remembers: its autocorrelation, and what follows from it."""
-
-    correlation: Correlation
-    escape: Escape
-    entry: Entry
-
-    @classmethod
-    def of(cls, spectrum: Spectrum = GAUSSIAN) -> "Memory":
-        """That of a spectrum; tables are made once in a process, in about a second."""
-        first = entry(spectrum)
-        return cls(correlation(spectrum), first.escape, first)
 
 
 @dataclass
@@ -151,34 +129,37 @@ def bounce(
     after = scatter(material, lanes, rng)
     ray = directions(slopes, after.d)
     delta, u = clearance(ray, after.d, after.m), curvature(ray, after.bends)
-    facet = np.stack([delta, after.h, ray.c - delta, u])
-    hits, away = next_facets(memory, facet, rng)
+    along, across = slopes_along(slopes, ray, after.m)
+    facet = np.stack([delta, after.h, along, u])
+    before = None if order > 1 else came_from_outside(slopes, lanes, after, ray)
+    hits, away = next_facets(memory, facet, rng, before)
     light, stays = leave(after.compress(away), order), hits.slot
-    _, across = slopes_along(slopes, ray, after.m)
     staying, ray = after.each(lambda a: a.take(stays, axis=-1)), ray.take(stays)
     facets = remembered(
         memory.correlation, hits.place, ray, facet.take(stays, axis=1), across.take(stays), rng
     )
     along, across = facets.draw(rng)
+    if hits.facet is None:
+        bends = facets.bends(memory.correlation, along - ray.c)
+    else:
+        along, u = hits.facet
+        bends = spread_out(memory.correlation, u, facets.noise[1:])
     staying.h, staying.m = hits.h, normals(slopes, ray, along, across)
-    staying.bends = turned(ray, facets.bends(memory.correlation, along - ray.c))
+    staying.bends = turned(ray, bends)
     if look is not None:
         look(order + 1, staying, (ray, facets))
     return light, staying
 
 
-def next_facets(memory: Memory, facet: Array, rng: np.random.Generator) -> tuple[Hits, Array]:
-    """What rays meet next that leave facets of the four numbers `facet` (4, n), and who of them
-    meets nothing, (n,) of bool."""
-    delta, h, s, u = facet
-    E = rng.standard_exponential(h.size, dtype=np.float32)
-    total = memory.escape.hazard(h, s + delta, delta, u)
-    away = SURE[0] * total + SURE[1] <= E
-    seeking = np.flatnonzero(~away)
-    hits, others = march(memory.correlation, facet.take(seeking, axis=1), E.take(seeking))
-    away[seeking[others.slot]] = True
-    hits.slot = seeking[hits.slot]
-    return hits, away
+def came_from_outside(slopes: Slopes, lanes: Lanes, after: Lanes, ray: Directions) -> Array:
+    """What is known of the ways in of walks at first facets, (5, n) as `way_in.beside` has it."""
+    back = directions(slopes, -lanes.d)
+    steeper = clearance(back, -lanes.d, lanes.m)
+    before = beside(ray, back, steeper, curvature(back, lanes.bends))
+    if after.inside is not None and lanes.inside is not None:
+        # The way in is on the other side of the surface.
+        before[0] = np.where(after.inside == lanes.inside, before[0], 0)
+    return before
 
 
 def scatter(material: Material, lanes: Lanes, rng: np.random.Generator) -> Lanes:

@@ -5,7 +5,8 @@ import numpy as np
 from msbsdf_cli.memory import next_event
 from msbsdf_cli.memory.facets import Facets
 from msbsdf_cli.memory.frame import Directions, directions
-from msbsdf_cli.memory.walk import Lanes, Memory, random_walk
+from msbsdf_cli.memory.next_facet import Memory
+from msbsdf_cli.memory.walk import Lanes, random_walk
 from msbsdf_cli.methods.base import outgoing
 from msbsdf_cli.methods.estimate import Estimate, batches
 from msbsdf_cli.methods.paths import coloured, lanes_for
@@ -27,8 +28,8 @@ class WalkMemory(FollowsPaths):
     facet, the energy towards wo is what the facets that might as well have been met send there,
     times the probability of leaving that way unhindered from there.
 
-    The first order of specular facets has no noise but that of a quadrature over heights and
-    curvatures.
+    The first order knows that light came in, too; of specular facets it has no noise but that of a
+    quadrature over heights and curvatures.
     """
 
     name = "walk-memory"
@@ -71,7 +72,7 @@ class WalkMemory(FollowsPaths):
                     mine = on_way[0].take(some), on_way[1].take(some)
                     phase, colour = next_event.met(*about, few, mine, out)
                 else:
-                    phase, colour = next_event.drawn(*about, few, out)
+                    phase, colour = next_event.drawn(*about, few, out, rng if order == 1 else None)
                 estimate.add(order, coloured(phase, colour, few.weight), few.slot)
 
         for n in batches(samples, out.n):

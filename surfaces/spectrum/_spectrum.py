@@ -43,7 +43,7 @@ class Spectrum(ABC):
         """Wave numbers between which the shape is smooth; the last is where it ends."""
 
     @cached_property
-    def _nodes(self) -> tuple[Array, Array]:
+    def waves(self) -> tuple[Array, Array]:
         """Wave numbers and the power at each, which sums to 1, in the field's unit of length."""
         x, weight = gauss(NODES)
         q, power = [], []
@@ -63,7 +63,7 @@ class Spectrum(ABC):
     @cached_property
     def k_max(self) -> float:
         """Wave number, in the field's unit, beyond which no wave is laid."""
-        wave, _ = self._nodes
+        wave, _ = self.waves
         x, _ = gauss(NODES)
         low = self.knots[-2] if len(self.knots) > 1 else 0.0
         return float(wave[-1] * self.knots[-1] / (low + (self.knots[-1] - low) * x[-1]))
@@ -74,12 +74,12 @@ class Spectrum(ABC):
 
     def autocorrelation(self, r: Array) -> Array:
         """Of heights, distances `r` (n,) apart."""
-        wave, share = self._nodes
+        wave, share = self.waves
         return np.asarray(j0(np.multiply.outer(r, wave)) @ share)
 
     def derivatives(self, r: Array) -> Array:
         """The autocorrelation at distances `r` (n,) and its first four derivatives, (5, n)."""
-        wave, share = self._nodes
+        wave, share = self.waves
         phase = np.multiply.outer(r, wave)
         J = [j0(phase), j1(phase)]
         small = phase < LEAST_PHASE
@@ -109,5 +109,5 @@ class Spectrum(ABC):
 
     def chord_variance(self, cells: float) -> float:
         """Variance of the slope over a cell, along an axis, over that at a point; less than 1."""
-        wave, share = self._nodes
+        wave, share = self.waves
         return float(((1 - j0(wave / cells)) @ share) * cells**2)

@@ -32,14 +32,18 @@ def main(reports: list[str]) -> None:
     for quantity, share in TARGETS.items():
         # A cell tells something where Smith's error is known to a third of itself or better.
         told = [r for r in found if r.quantity == quantity and r.smith > 3 * r.stderr]
-        met = sum(r.memory - r.stderr <= share * r.smith for r in told)
-        sure = sum(r.memory + r.stderr <= share * r.smith for r in told)
-        worse = sum(r.memory - 2 * r.stderr > r.smith for r in told)
-        print(
-            f"{quantity}: at most {share:.2g} of Smith's in {met} of {len(told)} cells ({sure} for "
-            f"certain), more than Smith's in {worse}",
-            file=sys.stderr,
-        )
+        for name in ("memory", "memory_2"):
+            error = [(getattr(r, name), r.stderr, r.smith) for r in told]
+            met, near, sure = (
+                sum(e + sign * noise <= share * smith for e, noise, smith in error)
+                for sign in (0, -1, 1)
+            )
+            worse = sum(e - 2 * noise > smith for e, noise, smith in error)
+            print(
+                f"{name}, {quantity}: at most {share:.2g} of Smith's in {met} of {len(told)} cells "
+                f"(within a standard error {near}, by more {sure}), more than Smith's in {worse}",
+                file=sys.stderr,
+            )
 
 
 if __name__ == "__main__":

@@ -67,7 +67,8 @@ def test_tables_of_normal_numbers(k):
 def test_without_looking_back_a_level_far_away_has_smiths_hazard(c):
     """Lambda ln C1 falls along the ray as the integral of the hazard grows."""
     level = np.linspace(-1, 3, 41)
-    below, down, _ = hazard.far(correlation(GAUSSIAN, np.float64), level, np.full(41, c))
+    found = hazard.far(correlation(GAUSSIAN, np.float64), level, np.full(41, c))
+    below, down = found.below, found.down
     step = np.diff(level) / c
     total = -np.diff(below) + step * (down[1:] + down[:-1]) / 2
     smith = -Lambda(np.array(c)) * np.diff(normal.depth(level))

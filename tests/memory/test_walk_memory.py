@@ -11,8 +11,10 @@ from msbsdf_cli.memory.entry import Lambda
 from msbsdf_cli.memory.facets import Conditional, facing, remembered, visible
 from msbsdf_cli.memory.frame import curvature, directions, normals, slopes_along, turned
 from msbsdf_cli.memory.march import NOWHERE
+from msbsdf_cli.memory.next_facet import Memory
 from msbsdf_cli.memory.normal import depth
-from msbsdf_cli.memory.walk import Memory, random_walk
+from msbsdf_cli.memory.remembered import Remembered
+from msbsdf_cli.memory.walk import random_walk
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.walk_memory import WalkMemory
 from msbsdf_cli.smith.slopes import Beckmann, Ggx
@@ -89,11 +91,13 @@ def test_walks_of_memory_0_are_smiths():
 @pytest.mark.parametrize(("c", "height"), [(0.3, 0.5), (1.0, -1.0)])
 def test_a_surface_that_forgets_at_once_and_is_not_looked_back_on_is_smiths(c, height, monkeypatch):
     far = hazard.far
-    monkeypatch.setattr(hazard, "far", lambda *a: (*far(*a)[:2], np.ones_like(a[1])))
+    monkeypatch.setattr(hazard, "far", lambda *a: far(*a)._replace(factor=np.ones_like(a[1])))
     n, cor = 40_000, Memory.of().correlation
     h, slope, x = (np.full(n, v, np.float32) for v in (height, c, 0))
     E = RNG(5).standard_exponential(n, dtype=np.float32)
-    rays = march.Rays(np.stack([slope, h, x, x]), E, np.arange(n), x, *hazard.far(cor, h, slope))
+    rays = march.Rays(
+        np.stack([slope, h, x, x]), E, np.arange(n), x, *hazard.far(cor, h, slope)[:3]
+    )
     met = 0
     while rays.size:
         rays, hits, _ = march._far_step(cor, rays, 0.25)
@@ -225,5 +229,5 @@ def test_other_slopes_and_numbers_are_refused():
 
 def test_jobs_are_repeated_exactly():
     model = ms.Smith(Beckmann(1, 1), Dielectric(1.5))
-    job = WalkJob(model, direction(1.0), 4, 500, 3, 0, 0, 100, spectrum("matern:1.5"))
+    job = WalkJob(model, direction(1.0), 4, 500, 3, 0, 0, 100, Remembered(spectrum("matern:1.5")))
     np.testing.assert_array_equal(run_walks(job)[1].sums, run_walks(job)[1].sums)

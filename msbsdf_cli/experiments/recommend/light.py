@@ -11,6 +11,7 @@ from msbsdf_cli.experiments import realisations
 from msbsdf_cli.experiments.method_lobes import bins, places
 from msbsdf_cli.experiments.resolution import LEAST_REALISATIONS, plan
 from msbsdf_cli.experiments.walks import walk
+from msbsdf_cli.memory.remembered import Remembered
 from msbsdf_cli.methods.protocol import Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.results.free_paths import FreePaths
@@ -23,7 +24,6 @@ from msbsdf_cli.statistics.distances import Histogram
 from msbsdf_cli.statistics.tally import Estimate
 from surfaces.facet import Array
 from surfaces.materials import Material
-from surfaces.spectrum import Spectrum
 from surfaces.streams import stream
 
 MAX_ORDER = 10_000
@@ -59,7 +59,7 @@ class Light:
 
 
 def walked(
-    scene: Scene, walks: int, seed: int, memory: Spectrum | None = None
+    scene: Scene, walks: int, seed: int, memory: Remembered | None = None
 ) -> list[list[Light]]:
     """Light of the Smith model, or of one with `memory`, by random walks: for each angle, for each
     channel."""

@@ -27,13 +27,13 @@ from msbsdf_cli.experiments.recommend.light import (
 )
 from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
 from msbsdf_cli.experiments.resolution import LEAST_REALISATIONS
+from msbsdf_cli.memory.remembered import Remembered
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.methods.registry import holds
 from msbsdf_cli.run.executors import Workers
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.distances import Histogram
 from surfaces.facet import Array
-from surfaces.spectrum import GAUSSIAN
 
 WALKS_OF_RAYS = 2
 """Walks for each ray: a walk is cheaper, and its noise is to be the lesser one."""
@@ -61,7 +61,7 @@ def against_surfaces(
     for scene in scenes(surface):
         truth = traced(scene, rays, seed, workers)
         model = walked(scene, WALKS_OF_RAYS * rays, seed)
-        remembered = walked(scene, WALKS_OF_RAYS * rays, seed, GAUSSIAN)
+        remembered = walked(scene, WALKS_OF_RAYS * rays, seed, Remembered())
         names = [n for n in COMPENSATED if holds(n, scene.slopes, scene.material)]
         instead = {name: replaced(name, scene) for name in names}
         for i, theta in enumerate(scene.theta):

@@ -16,6 +16,7 @@ from msbsdf_cli.experiments.sweep.states import (
 )
 from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
 from msbsdf_cli.experiments.walks import add_free_paths
+from msbsdf_cli.memory.remembered import Remembered
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.free_paths import FreePaths
@@ -24,7 +25,6 @@ from msbsdf_cli.results.run import Run
 from msbsdf_cli.results.tables import energy
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.tally import Tally
-from surfaces.spectrum import Spectrum
 
 JOBS = 64
 PART = JOBS * WALKS
@@ -48,8 +48,7 @@ class WalkCase:
     max_order: int
     directions: bool
     """Whether lobes and free paths are wanted too, and not the energies alone."""
-    memory: Spectrum | None = None
-    """Of the surface that is remembered."""
+    memory: Remembered | None = None
 
     @property
     def parts(self) -> int:
@@ -93,7 +92,7 @@ class WalkCase:
         restore(tally, state)
         if self.directions:
             restore_free_paths(paths, state)
-        remembers = int(self.memory is not None)
+        remembers = 0 if self.memory is None else self.memory.number
         return Run("walk", self.scene, [tally], paths, self.heights, memory=remembers)
 
     def lobes(self, state: State) -> list[Lobes]:

@@ -1,0 +1,16 @@
+"""What a walk remembers, told without loading what that takes."""
+
+from typing import NamedTuple
+
+from surfaces.spectrum import GAUSSIAN, Spectrum
+
+MOST = 2
+"""The most that walks remember."""
+
+
+class Remembered(NamedTuple):
+    """The surface that is remembered, and how much of it."""
+
+    spectrum: Spectrum = GAUSSIAN
+    number: int = 1
+    """1 for the last facet, 2 for the heights that rays have passed since, too."""
