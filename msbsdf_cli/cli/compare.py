@@ -232,8 +232,8 @@ def effort_of_methods(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
 def simulated_run(
     draft: Path, scene: Any, resolution: Any, free_paths: Any, options: dict[str, Any]
 ) -> tuple[Any, Pictures]:
-    """Simulate; the report goes into `draft`, and what draws the surface comes back: the light is in
-    the pictures of the comparison."""
+    """Simulate; the report goes into `draft`, and what draws the surface comes back: the light is
+    in the pictures of the comparison."""
     from msbsdf_cli.cli import simulate
     from msbsdf_cli.cli.runs import write_part
 
