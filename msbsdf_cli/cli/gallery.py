@@ -66,9 +66,8 @@ GALLERY = {
             "methods",
             {
                 "msbsdf compare reports/compare-conductor-beckmann-0.5/simulate --method single,"
-                "exact,position-free-uncorrelated,position-free-correlated,energy-compensated": (
-                    *("agreement.csv", "methods.png"),
-                )
+                "exact,position-free-uncorrelated,position-free-correlated,energy-compensated "
+                "--out reports/methods": (*("agreement.csv", "methods.png"),)
             },
             needs="compare",
         ),
