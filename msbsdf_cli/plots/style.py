@@ -44,8 +44,12 @@ plt.rcParams.update(
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Wong's palette, told apart by colour-blind eyes; one for each order."""
 DASHES = ("-", "--", "-.", ":")
-SIMULATED = {"simulate-one-mesh": ("#999999", "s")}, ("#000000", "p")
-"""Colours and markers of what is traced on explicit surfaces."""
+SIMULATED = (
+    {"simulate-one-mesh": ("#999999", "s"), "walk-memory-2": ("#b15bd8", "*")},
+    ("#000000", "p"),
+)
+"""Colours and markers of what is no method: of light traced on explicit surfaces, and of light that
+is only counted."""
 HALO = [withStroke(linewidth=1.5, foreground="white")]
 """About text that stands on lines or pictures."""
 DOTS_PER_INCH = 130

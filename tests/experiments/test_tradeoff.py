@@ -6,6 +6,7 @@ import pytest
 from msbsdf_cli.experiments.figures import slab as figure_17
 from msbsdf_cli.experiments.figures.slab import slab
 from msbsdf_cli.experiments.random_surfaces import Resolution
+from msbsdf_cli.experiments.tradeoff import counted
 from msbsdf_cli.experiments.tradeoff import reference as module
 from msbsdf_cli.experiments.tradeoff.directions import lobe_directions
 from msbsdf_cli.experiments.tradeoff.energies import ONE, THREE, energy_rows
@@ -223,11 +224,33 @@ def test_distance_of_lobes_is_free_of_noise(rng):
 
 def test_noise_of_surfaces_falls_with_their_number(rng):
     world = SurfaceReference(lobes_of(1, 0.4, 32, rng)[:, None], [], [], 100)
-    sizes, noise, stderr = zip(*grouped_noise(world, 0), strict=True)
+    sizes, noise, stderr = zip(*grouped_noise(world.units[:, 0]), strict=True)
     assert sizes == (1, 2, 4, 8)
     for size, value, error in zip(sizes, noise, stderr, strict=True):
         assert value == pytest.approx(0.4 / np.sqrt(size), abs=5 * error)
     assert own_noise(world, 0)[0] == pytest.approx(0.4 / np.sqrt(32), rel=0.1)
+
+
+def test_counted_walks_are_as_far_off_as_the_surfaces_they_are_held_against(monkeypatch):
+    """Surfaces that are the walks themselves, and such as send a tenth more everywhere."""
+    monkeypatch.setattr(counted, "WALKS", 1024)
+    scene = Scene(Conductor(), Beckmann(1, 1), (0.5,), 0.0)
+    walks, others = (counted.count(scene, "gaussian", seed) for seed in (1, 2))
+    assert walks.units.sum(axis=2) == pytest.approx(1, abs=1e-12)
+    assert walks.setup_s > 0
+    assert (walks.seconds > 0).all()
+    for factor, apart in ((1.0, 0.0), (1.1, 0.1 / 1.1)):
+        world = SurfaceReference(factor * others.units, [], [], 100)
+        rows, (found,) = counted.counted_rows(scene, walks, world)
+        assert [row.samples for row in rows] == [1024, 2048, 4096]
+        assert found.value == pytest.approx(apart, abs=4 * max(found.stderr, 0.01))
+        for row in rows:
+            assert row.relative_rmse == pytest.approx(np.hypot(row.noise, found.value))
+            assert row.seconds == pytest.approx(
+                row.samples / 1024 * float(np.median(walks.seconds))
+            )
+    noise = [row.noise for row in rows]
+    assert noise[0] / noise[-1] == pytest.approx(2, rel=0.2)
 
 
 def simulated(cells, surfaces):

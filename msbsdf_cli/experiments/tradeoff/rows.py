@@ -108,7 +108,7 @@ def simulate_rows(scene: Scene, surfaces: SurfaceReference) -> list[Row]:
                     size * float(np.median([s.surface_s for s in surfaces.spent])),
                 ),
             )
-            for size, noise, stderr in grouped_noise(surfaces, i)
+            for size, noise, stderr in grouped_noise(surfaces.units[:, i])
         ]
         rows += with_slopes(mine)
     return rows

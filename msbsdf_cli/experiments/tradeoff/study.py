@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, replace
 
 from msbsdf_cli.experiments.random_surfaces import Resolution
+from msbsdf_cli.experiments.tradeoff.counted import count, counted_rows
 from msbsdf_cli.experiments.tradeoff.directions import Lobe, lobe_directions
 from msbsdf_cli.experiments.tradeoff.energies import energy_rows
 from msbsdf_cli.experiments.tradeoff.floors import MARGIN, Floor, floors, margin
@@ -96,7 +97,12 @@ def study(scene: Scene, settings: Settings) -> Result:
         surfaces = trace_surfaces(scene, settings.resolution, *work)
         found = distances(scene, methods, surfaces, seed, settings.threads)
         energies = energy_rows(scene, surfaces.steps, surfaces.spent, surfaces.rays)
-        rows = with_distances([*rows, *simulate_rows(scene, surfaces)], found)
+        rows = [*rows, *simulate_rows(scene, surfaces)]
+        if settings.against == "surfaces" and "walk-memory" in methods:
+            counted = count(scene, settings.resolution.autocorrelation, seed)
+            more, apart = counted_rows(scene, counted, surfaces)
+            rows, found = [*rows, *more], [*found, *apart]
+        rows = with_distances(rows, found)
     better = margin(rows, truth, scene.theta)
     if settings.against == "surfaces":
         rows = against_surfaces(rows, found)

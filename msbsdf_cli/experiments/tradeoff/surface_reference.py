@@ -37,7 +37,7 @@ PART_SAMPLES = 32768
 """Independent parts of a model's lobe, and samples of each."""
 
 FEWEST_GROUPS = 4
-"""Of surfaces, to tell their spread from."""
+"""Of units, to tell their spread from."""
 
 
 @dataclass(frozen=True)
@@ -175,14 +175,14 @@ def _left_out(units: Array) -> Iterator[Array]:
 
 def own_noise(surfaces: SurfaceReference, angle: int) -> tuple[float, float]:
     """Relative noise of the mean over all surfaces, and its standard error."""
-    _, noise, stderr = grouped_noise(surfaces, angle)[0]
+    _, noise, stderr = grouped_noise(surfaces.units[:, angle])[0]
     return noise / np.sqrt(len(surfaces.units)), stderr / np.sqrt(len(surfaces.units))
 
 
-def grouped_noise(surfaces: SurfaceReference, angle: int) -> list[tuple[int, float, float]]:
-    """Surfaces used, the relative noise of as many, and its standard error; measured between
-    groups of surfaces, as long as these are enough."""
-    units = surfaces.units[:, angle] / np.sqrt(merged_solid_angle())
+def grouped_noise(units: Array) -> list[tuple[int, float, float]]:
+    """Units (n, bins) used, the relative noise of as many, and its standard error; measured between
+    groups of units, as long as these are enough."""
+    units = units / np.sqrt(merged_solid_angle())
     mean = units.mean(axis=0)
     scale = mean @ mean - noise_of_mean(units)
     found = []
