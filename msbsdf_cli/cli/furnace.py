@@ -115,10 +115,13 @@ def not_reached(results: list[Any], accuracy: float) -> list[str]:
 
 
 def against(scene: Any, methods: Iterable[str]) -> str | None:
-    """What albedos are held against: 1, or, where facets absorb, the most trustworthy method."""
+    """What albedos are held against: 1, or, where facets absorb, the most trustworthy of several
+    methods."""
     from msbsdf_cli.methods.registry import most_trusted
 
-    return most_trusted(methods) if scene.material.absorbs else None
+    names = tuple(methods)
+    # Alone, a method is held against nothing but what came in.
+    return most_trusted(names) if scene.material.absorbs and len(names) > 1 else None
 
 
 def in_one_sentence(scene: Any, results: list[Any]) -> str:

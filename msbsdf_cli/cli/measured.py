@@ -9,6 +9,7 @@ import click
 from msbsdf_cli.cli import common, compare_skewed, compare_surface, own_surface
 from msbsdf_cli.cli.options import OF_FILE
 from msbsdf_cli.cli.simulate import RESOLVED
+from msbsdf_cli.cli.types import MOST_ROUGHNESS
 from msbsdf_cli.experiments.resolution import LEAST_RAYS, plan, rays
 from msbsdf_cli.experiments.slices import slice_directions
 from msbsdf_cli.experiments.sweep.albedos import AlbedoCase
@@ -47,9 +48,12 @@ class Settings:
     cases: Cases
     given: frozenset[str]
     """Options that are not as the command has them by itself."""
+    files: dict[str, str]
+    """Digests of the surfaces that are given, by path."""
 
     def __post_init__(self) -> None:
         self.resolutions: dict[str, Any] = {}
+        self.notes: dict[str, None] = {}
 
     def __call__(self, case: int, seed: int) -> Measured | Failure:
         """What is measured of a case with a seed, or why nothing can be."""
@@ -76,9 +80,11 @@ class Settings:
 
     def _pair(self, options: Options, seed: int) -> Pair | InParts:
         """Random surfaces and what is held against them."""
+        self._check_gamma(options)
         if options["heights_of"] != "gaussian":
             compare_skewed.check_options(options)
-            surfaces = self._surfaces(options | WITHOUT_FREE_PATHS, seed, True)
+            of_surface = WITHOUT_FREE_PATHS | {"slopes": "beckmann"}
+            surfaces = self._surfaces(options | of_surface, seed, True)
             facets = RandomFacets(surfaces.resolution, seed)
             return InParts(surfaces, self._fitted(options, seed, surfaces.scene, facets))
         compare_surface.check_slopes(options)
@@ -93,18 +99,31 @@ class Settings:
 
     def _on_file(self, options: Options, seed: int) -> Measured:
         """Light and walks on a surface that is given."""
-        source = own_surface.source(options)
+        source = own_surface.source(options, self.files[options["surface"]])
         slopes = own_slopes(source)
+        if max(slopes.alpha) > MOST_ROUGHNESS:
+            raise ValueError(
+                f"{options['surface']} has the roughness {max(slopes.alpha):.2g}, beyond every "
+                "surface: its heights and its steps are in different units."
+            )
+        self.notes |= dict.fromkeys(f"{options['surface']}: {n}" for n in source.field().notes)
         if self.command == "walk":
             options |= {"alpha": slopes.alpha}
             return Alone(_walks(options, seed, options["samples"], False, slopes))
         beckmann = options | {"slopes": "beckmann", "alpha": slopes.alpha}
         scene, samples = common.scene_from(beckmann), options["samples"] or LEAST_RAYS
-        how = samples, seed_of(seed, _identity(options)), options["max_order"]
-        light = FileCase.of(scene, source, *how, directions=self.command == "compare")
+        light = _identity(options, *OF_MODELS, "slopes", "gamma")
+        how = samples, seed_of(seed, light), options["max_order"]
+        traced = FileCase.of(scene, source, *how, directions=self.command == "compare")
         if self.command == "simulate":
-            return Alone(light)
-        return InParts(light, self._fitted(options | {"samples": samples}, seed, scene, source))
+            return Alone(traced)
+        self._check_gamma(options)
+        return InParts(traced, self._fitted(options | {"samples": samples}, seed, scene, source))
+
+    def _check_gamma(self, options: Options) -> None:
+        """Refuse a parameter of other slopes. Raises click.UsageError."""
+        if "gamma" in self.given and options["slopes"] != "student-t":
+            raise click.UsageError("--gamma without --slopes student-t: no other slopes have one.")
 
     def _fitted(self, options: Options, seed: int, scene: Scene, facets: Facets) -> FittedCase:
         slopes, gamma = (options[n] if n in self.given else None for n in ("slopes", "gamma"))
@@ -114,7 +133,7 @@ class Settings:
             slopes,
             gamma,
             options["samples"] or LEAST_RAYS,
-            seed_of(seed, _identity(options)),
+            seed_of(seed, _identity(options, "slopes")),
             options["precision"],
             options["max_order"],
         )
@@ -128,7 +147,7 @@ class Settings:
             resolution,
             common.free_paths_from(options, options["heights_of"]),
             seed,
-            place_of(_identity(options, *OF_MODELS)),
+            place_of(_identity(options, *OF_MODELS, *(["gamma"] if resolution.skewed else []))),
             options["max_order"],
             directions,
         )
@@ -144,7 +163,8 @@ class Settings:
             others = Cases(tuple(axis for axis in shared if axis.name != "theta"))
             found = []
             for case in range(len(others)):
-                mine = options | others.values(case) | {"theta": theta or options["theta"]}
+                own = {n: options[n] for n in ("slopes", "gamma") if n in options}
+                mine = options | others.values(case) | {"theta": theta or options["theta"]} | own
                 given = (mine[name] for name in RESOLVED)
                 found.append(plan(common.scene_from(mine), mine["accuracy"], *given))
             self.resolutions[key] = _finest(found)
@@ -160,9 +180,11 @@ def _finest(found: list[Any]) -> Any:
 
 def _identity(options: Options, *but: str) -> str:
     """What is measured, in words, but for options that make no difference to it."""
-    # What came to be options later does not change what was measured without them.
-    idle = [name for name in (*OF_FILES, "method") if options.get(name) is None]
-    but = (*but, *idle, *(OF_FILES if "surface" in idle else ()))
+    # Options without use, so that what is measured without them stays the same numbers.
+    if options.get("surface") is None:
+        but = (*but, *OF_FILES)
+    if "heights_of" in options and options.get("method") is None:
+        but = (*but, "method")
     return json.dumps({k: v for k, v in sorted(options.items()) if k not in but}, default=str)
 
 

@@ -124,11 +124,11 @@ def how_read(options: dict[str, Any]) -> tuple[Any, ...]:
     return options["step"], unit, options["periodic"], options["detrend"], length
 
 
-def source(options: dict[str, Any]) -> "Source":
-    """The file and how it is read, for others to read it."""
-    from msbsdf_cli.experiments.sweep.files import Source, digest_of
+def source(options: dict[str, Any], digest: str) -> "Source":
+    """The file and how it is read, for others to read it, wherever they were started."""
+    from msbsdf_cli.experiments.sweep.files import Source
 
-    return Source(options["surface"], digest_of(options["surface"]), *how_read(options))
+    return Source(str(Path(options["surface"]).resolve()), digest, *how_read(options))
 
 
 def refuse_size(field: Any, threads: int) -> None:

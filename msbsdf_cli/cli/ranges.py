@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from msbsdf_cli.cli.types import Angles, Count, Numbers, Real, Roughness, quoted
+from msbsdf_cli.cli.types import Angles, Count, Lengths, Numbers, Real, Roughness, quoted
 from msbsdf_cli.experiments.sweep.plan import Axis
 
 RANGE = re.compile(r"(log:)?([^:,]+):([^:,]+):(\d+)")
@@ -18,7 +18,8 @@ DEG = "deg"
 MOST_IN_RANGE = 100_000
 
 HAVE_COMMAS = Roughness, Numbers
-"""Types in which a comma is within a value: several values of these are several options."""
+"""Types in which a comma is within a value: several values of these are several options; so are
+those of `Lengths` of more than one."""
 
 ARE_NUMBERS = Roughness, Angles, Real, Count, click.types.IntRange
 
@@ -64,6 +65,21 @@ def _texts(value: Any) -> Iterator[str]:
         yield ",".join(map(str, item)) if isinstance(item, list) else str(item)
 
 
+def flags(texts: dict[str, list[str]], options: dict[str, click.Option]) -> dict[str, bool]:
+    """Flags by parameter, taken out of the texts of all options: on where a command line names
+    them, in a file as it says. Raises click.UsageError for what is neither true nor false."""
+    found = {}
+    for name in [name for name in texts if name in options and options[name].is_flag]:
+        text = ",".join(texts.pop(name))
+        if text not in SAID:
+            raise click.UsageError(f"{name} is {quoted(text)}: true or false is wanted.")
+        found[name] = SAID[text]
+    return found
+
+
+SAID = {"": True, "True": True, "False": False}
+
+
 def axis(option: click.Option, texts: Sequence[str], ctx: click.Context) -> Axis:
     """All values that the texts of one option name.
 
@@ -88,7 +104,8 @@ def axis(option: click.Option, texts: Sequence[str], ctx: click.Context) -> Axis
 
 def _parts(option: click.Option, text: str) -> Iterator[str]:
     numeric = isinstance(option.type, ARE_NUMBERS)
-    for part in [text] if isinstance(option.type, HAVE_COMMAS) else text.split(","):
+    pair = isinstance(option.type, Lengths) and option.type.most > 1
+    for part in [text] if pair or isinstance(option.type, HAVE_COMMAS) else text.split(","):
         found = RANGE.fullmatch(part.strip()) if numeric else None
         if found is None:
             yield part.strip()

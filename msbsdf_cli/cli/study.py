@@ -11,7 +11,7 @@ from msbsdf_cli import __version__
 from msbsdf_cli.cli.measured import KINDS, Settings
 from msbsdf_cli.cli.options import OF_FILE
 from msbsdf_cli.cli.own_surface import OF_RANDOM
-from msbsdf_cli.cli.ranges import axis, given, in_file
+from msbsdf_cli.cli.ranges import axis, flags, given, in_file
 from msbsdf_cli.experiments.sweep.files import digest_of
 from msbsdf_cli.experiments.sweep.plan import Axis, Cases
 from msbsdf_cli.experiments.sweep.sweep import Sweep
@@ -32,8 +32,8 @@ class Study:
     texts: dict[str, list[str]]
     """What was typed for each option."""
     sweep: Sweep
-    files: tuple[str, ...]
-    """Surfaces that are given."""
+    files: dict[str, str]
+    """Digests of the surfaces that are given, by path."""
 
     @property
     def slug(self) -> str:
@@ -47,10 +47,9 @@ class Study:
             "command": self.command,
             "options": {n: list(t) for n, t in sorted(self.texts.items()) if n != "seed"},
             "axes": {axis.name: axis.labels for axis in self.sweep.cases.axes},
-            "files": {path: digest_of(path) for path in self.files},
             "seeds": self.sweep.seeds,
             "shard": shard,
-        }
+        } | ({"files": self.files} if self.files else {})
 
 
 def study_of(command: str, words: tuple[str, ...]) -> Study:
@@ -61,8 +60,8 @@ def study_of(command: str, words: tuple[str, ...]) -> Study:
     if command not in KINDS:
         known = ", ".join(KINDS)
         raise click.UsageError(f"{command!r} is not a command that can be swept: {known}.")
-    flags = {flag: option for option in swept(command).values() for flag in option.opts}
-    return study(command, texts | given(words, flags))
+    by_flag = {flag: option for option in swept(command).values() for flag in option.opts}
+    return study(command, texts | given(words, by_flag))
 
 
 def swept(command: str) -> dict[str, click.Option]:
@@ -77,16 +76,17 @@ def study(command: str, texts: dict[str, list[str]], seeds: tuple[int, ...] = ()
     known = swept(command)
     for name in (name for name in texts if name not in known):
         raise click.UsageError(f"{name} is not an option of {command} that can vary.")
+    words, texts = texts, dict(texts)
+    on = flags(texts, known)
     found: click.Command = import_module(f"msbsdf_cli.cli.{command}").command
     with found.make_context(command, []) as ctx:
         options = {name: value for name, value in ctx.params.items() if name in known}
-        for name in (name for name in texts if known[name].is_flag):
-            options[name] = True
+        options |= on
         # In the command's own order, so that pieces have the same numbers however it is typed.
         axes = {
             name: axis(option, texts.get(name) or _default(option), ctx)
             for name, option in known.items()
-            if (name in texts or name in VARY_BY_THEMSELVES) and not option.is_flag
+            if name in texts or name in VARY_BY_THEMSELVES
         }
         if "surface" in texts:
             del axes["alpha"]
@@ -94,11 +94,14 @@ def study(command: str, texts: dict[str, list[str]], seeds: tuple[int, ...] = ()
     own = axes.pop("seed").values if "seed" in axes else (0,)
     del options["seed"]
     seeds = seeds or own
-    _check_surface(command, frozenset(texts), axes, seeds)
+    names = frozenset(texts) | {name for name, wanted in on.items() if wanted}
+    _check_surface(command, names, axes, seeds)
     cases = Cases(tuple(a for a in axes.values() if len(a.values) > 1))
-    settings = Settings(command, options, cases, frozenset(texts))
-    files = axes["surface"].values if "surface" in axes else ()
-    return Study(command, texts, Sweep(cases, seeds, KINDS[command], settings), files)
+    paths = axes["surface"].values if "surface" in axes else ()
+    files = {path: digest_of(path) for path in paths}
+    settings = Settings(command, options, cases, names, files)
+    sweep = Sweep(cases, seeds, KINDS[command], settings, settings.notes)
+    return Study(command, words, sweep, files)
 
 
 def _check_surface(

@@ -247,7 +247,7 @@ def write(
         rows = Rows(draft / TABLE, sweep, together)
         rows.write(states)
         pack(draft / ARCHIVE, plan, failures, *parts)
-        report.warn(rows.warnings())
+        report.warn([*sweep.notes, *rows.warnings()])
         grid = draw_sweep(draft / TABLE, draft / "sweep.png") if rows.rows else None
         said = f"{rows.cases - rows.failures} of {rows.cases} cases were measured."
         if grid is not None:

@@ -59,16 +59,13 @@ def command(**options: Any) -> None:
 def effort(scene: Any, options: dict[str, Any]) -> tuple[float, str]:
     """About how many seconds one core will need, and for what."""
     from msbsdf_cli.experiments.pilot import pilot
+    from msbsdf_cli.memory.remembered import TAKES
 
     seconds, facets = pilot(scene)
     walks = options["samples"] * len(scene.theta)
     if options["memory"]:
-        seconds *= MEMORY_TAKES[options["memory"]]
+        seconds *= TAKES[options["memory"]]
     return options["samples"] * seconds, f"{walks:.2g} walks of {facets:.2g} facets in the mean"
-
-
-MEMORY_TAKES = {1: 10, 2: 40}
-"""Times as long a walk that remembers takes, about."""
 
 
 def run(scene: Any, free_paths: Any, options: dict[str, Any]) -> Any:

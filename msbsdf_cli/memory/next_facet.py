@@ -20,7 +20,7 @@ itself, leave; where the others meet the surface, or whether, the march says."""
 
 
 TOGETHER = 1 << 10
-"""Rays at least that are drawn together."""
+"""Rays at least that are drawn together where the way in makes most of them unlikely."""
 
 
 @dataclass(frozen=True, eq=False)

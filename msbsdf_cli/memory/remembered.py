@@ -7,6 +7,9 @@ from surfaces.spectrum import GAUSSIAN, Spectrum
 MOST = 2
 """The most that walks remember."""
 
+TAKES = 1, 10, 40
+"""Times as long as Smith's a walk takes that remembers so much, about."""
+
 
 class Remembered(NamedTuple):
     """The surface that is remembered, and how much of it."""

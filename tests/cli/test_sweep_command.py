@@ -129,6 +129,7 @@ def test_a_file_says_the_same_as_the_command_line(tmp_path):
         (["simulate", "--filter", "1,2"], "--filter without --surface"),
         (["compare", "--surface", SCAN, "--method", "exact"], "not for surfaces of files"),
         (["compare", "--slopes", "ggx"], "random surfaces are beckmann"),
+        (["compare", "--heights-of", "ridges", "--gamma", "3"], "no other slopes have one"),
         (["compare", "--heights-of", "ridges", "--memory", "1"], "for Gaussian surfaces"),
         (["compare", "--method", "exact", "--memory", "1"], "the method walk-memory"),
         (["walk", "--shard", "3/2"], "K from 1 to N"),
@@ -139,6 +140,39 @@ def test_a_file_says_the_same_as_the_command_line(tmp_path):
 def test_what_is_no_sweep_is_refused_in_a_sentence(words, part, scan, tmp_path):
     assert part in refused("sweep", *scan(words), "--out", tmp_path / "a")
     assert not (tmp_path / "a").exists()
+
+
+def test_a_file_may_say_true_and_false_and_steps_that_differ(scan, tmp_path):
+    path = scan([SCAN])[0]
+    head = f'command = "simulate"\nsurface = "{path}"\nsamples = 160\nstep = [[0.3, 0.5]]\n'
+    found = {}
+    for said in ("true", "false", "2"):
+        study = tmp_path / f"{said}.toml"
+        study.write_text(f"{head}periodic = {said}\n")
+        out = tmp_path / said
+        if said == "2":
+            assert "true or false is wanted" in refused("sweep", study, "--out", out)
+            continue
+        assert msbsdf("sweep", study, "--out", out).returncode == 0
+        found[said] = content(out)
+        assert "step" not in table(out / "sweep.csv")[0]
+    assert found["true"] != found["false"]
+    words = ("simulate", "--surface", path, "--step", "0.3,0.5", "--samples", "160")
+    assert msbsdf("sweep", *words, "--out", tmp_path / "typed").returncode == 0
+    assert content(tmp_path / "typed") == found["false"]
+
+
+def test_judged_slopes_share_the_light_and_what_a_file_lacks_is_said(tmp_path):
+    path, heights = tmp_path / "scan.npy", HeightField.random(0.6, extent=12, cells=6).heights
+    heights[3, 3] = np.nan
+    np.save(path, heights)
+    words = ("--surface", path, "--step", "0.3", "--samples", "800", "--slopes", "beckmann,ggx")
+    run = msbsdf("sweep", "compare", *words, "--theta", "1", "--out", tmp_path / "a")
+    assert run.returncode == 0
+    assert "scan.npy: " in run.stderr
+    rows = [r for r in table(tmp_path / "a" / "sweep.csv") if r["quantity"] == "part_correlation"]
+    assert len({(r["slopes"], r["simulated"], r["difference"]) for r in rows}) == 2
+    assert len({(r["simulated"], r["difference"]) for r in rows}) == 1
 
 
 def test_a_surface_that_has_changed_is_another_sweep(tmp_path):

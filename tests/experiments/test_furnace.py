@@ -1,8 +1,11 @@
 """The furnace's stated errors cover the truth, also where hardly any walk goes."""
 
+import json
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from command_line import msbsdf
 
 from msbsdf_cli.experiments.furnace import Albedos, FurnaceJob, furnace_table, run_furnace
 from msbsdf_cli.experiments.render.scenes.furnace import SPHERE_IN_VIEW
@@ -127,3 +130,10 @@ def test_the_picture_shows_what_is_lost_and_what_is_won(monkeypatch, tmp_path):
     ]
     assert hollow == [0, 1]
     plt.close(figures[0])
+
+
+def test_a_method_alone_is_held_against_what_comes_in(tmp_path):
+    words = ("--method", "walk", "--metal", "gold", "--alpha", "0.5", "--theta", "0.5")
+    run = msbsdf("furnace", *words, "--samples", "64", "--out", tmp_path / "a")
+    assert run.returncode == 0, run.stderr
+    assert "walk" in json.loads((tmp_path / "a" / "run.json").read_text())["summary"]

@@ -153,7 +153,7 @@ def test_cases_share_the_surfaces_and_not_the_rays():
 
 def test_walks_of_a_part_are_those_of_a_long_walk(monkeypatch):
     monkeypatch.setattr("msbsdf_cli.experiments.walk.WALKS", 2000)
-    monkeypatch.setattr("msbsdf_cli.experiments.sweep.walks.PART", 4000)
+    monkeypatch.setattr("msbsdf_cli.experiments.sweep.walks.WALKS", 2000)
     monkeypatch.setattr("msbsdf_cli.experiments.sweep.walks.JOBS", 2)
     case = WalkCase(GLASS, 11_000, PATHS, "gaussian", 5, "float64", 1000, True)
     assert case.parts == 3

@@ -245,6 +245,7 @@ def test_counted_walks_are_as_far_off_as_the_surfaces_they_are_held_against(monk
         assert [row.samples for row in rows] == [1024, 2048, 4096]
         assert found.value == pytest.approx(apart, abs=4 * max(found.stderr, 0.01))
         for row in rows:
+            assert row.bias == found.value
             assert row.relative_rmse == pytest.approx(np.hypot(row.noise, found.value))
             assert row.seconds == pytest.approx(
                 row.samples / 1024 * float(np.median(walks.seconds))

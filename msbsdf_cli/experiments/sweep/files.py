@@ -16,7 +16,7 @@ from msbsdf_cli.experiments.own_surface import (
 from msbsdf_cli.experiments.pilot import pilot
 from msbsdf_cli.experiments.realisations import LobeGroups
 from msbsdf_cli.experiments.sweep.states import State, of_tally, restore
-from msbsdf_cli.experiments.sweep.surfaces import RAYS_PER_S, TRIANGLES_PER_S
+from msbsdf_cli.experiments.sweep.surfaces import OF_MODELS, RAYS_PER_S, TRIANGLES_PER_S
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
@@ -80,7 +80,7 @@ class FileCase:
     """Light of one incident angle on a surface that is given."""
 
     kind: ClassVar[str] = "surface"
-    shared: ClassVar[frozenset[str]] = frozenset()
+    shared: ClassVar[frozenset[str]] = frozenset(("slopes", "gamma", *OF_MODELS))
 
     scene: Scene
     """Nothing is traced by its slopes."""
@@ -107,12 +107,8 @@ class FileCase:
         directions: bool,
     ) -> "FileCase":
         """Cut into pieces as its size wants it."""
-        number, windows = number_of_pieces(source.field())
-        # Mirror images are meshed with a patch, and what is around it with a window.
-        cells = source.field().heights.size * (4 if windows or not source.periodic else 1)
-        cells = -(-cells // number) if windows else cells
         how = scene, source, samples, seed, max_order, directions
-        return cls(*how, number, windows, cells)
+        return cls(*how, *_cut(source))
 
     @property
     def parts(self) -> int:
@@ -133,7 +129,9 @@ class FileCase:
 
     @staticmethod
     def measure(cases: list["FileCase"], part: int) -> list[State]:
-        return [case.light(part) for case in cases]
+        # Cases whose rays are the same are one.
+        found = {case.seed: case.light(part) for case in {c.seed: c for c in cases}.values()}
+        return [found[case.seed] for case in cases]
 
     def light(self, number: int) -> State:
         """Of the rays that start on a piece of the surface."""
@@ -161,6 +159,15 @@ class FileCase:
     def table(self, state: State) -> Table:
         """energy.csv of the case."""
         return energy(self.run(state).lobes())
+
+
+@lru_cache(maxsize=256)
+def _cut(source: Source) -> tuple[int, bool, int]:
+    """Pieces, whether each has a window of its own, and cells of the meshes."""
+    number, windows = number_of_pieces(source.field())
+    # Mirror images are meshed with a patch, and what is around it with a window.
+    cells = source.field().heights.size * (4 if windows or not source.periodic else 1)
+    return number, windows, -(-cells // number) if windows else cells
 
 
 def _none() -> FreePaths:

@@ -46,7 +46,10 @@ class SurfaceCase:
 
     kind: ClassVar[str] = "simulate"
     shared: ClassVar[frozenset[str]] = frozenset(
-        ("alpha", "theta", "phi", "material", "ior", "metal", "eta_k", "albedo", *OF_MODELS)
+        (
+            *("alpha", "theta", "phi", "material", "ior", "metal", "eta_k", "albedo"),
+            *("slopes", "gamma", *OF_MODELS),
+        )
     )
 
     scene: Scene

@@ -1,7 +1,7 @@
 """A sweep: its pieces, done in any order, and the rows that they add up to."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from msbsdf_cli.experiments.sweep.plan import Cases
@@ -28,6 +28,8 @@ class Sweep:
     seeds: tuple[int, ...]
     kinds: tuple[type[Case], ...]
     setting: Callable[[int, int], Setting]
+    notes: dict[str, None] = field(default_factory=dict)
+    """Sentences on what is measured, which become known with the settings."""
 
     def groups(self) -> Iterator[list[int]]:
         """Cases that have work in common."""

@@ -16,7 +16,7 @@ from msbsdf_cli.experiments.sweep.states import (
 )
 from msbsdf_cli.experiments.walk import WALKS, jobs, run_walks
 from msbsdf_cli.experiments.walks import add_free_paths
-from msbsdf_cli.memory.remembered import Remembered
+from msbsdf_cli.memory.remembered import TAKES, Remembered
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.files import Table
 from msbsdf_cli.results.free_paths import FreePaths
@@ -27,8 +27,9 @@ from msbsdf_cli.scene import Scene
 from msbsdf_cli.statistics.tally import Tally
 
 JOBS = 64
-PART = JOBS * WALKS
-"""Walks of a part at most: some seconds of work, which is what a process that dies may cost."""
+"""Jobs of a part at most: some seconds of work, which is what a process that dies may cost."""
+JOBS_OF_HEIGHTS = 4
+"""The same of walks that draw the heights which rays pass."""
 
 
 @dataclass(frozen=True)
@@ -52,11 +53,22 @@ class WalkCase:
 
     @property
     def parts(self) -> int:
-        return -(-self.samples // PART)
+        return -(-self.samples // self.part)
+
+    @property
+    def part(self) -> int:
+        """Walks of a part."""
+        heights = self.memory is not None and self.memory.number == 2
+        return WALKS * (JOBS_OF_HEIGHTS if heights else JOBS)
 
     @staticmethod
     def seconds(cases: list["WalkCase"]) -> float:
-        return sum(pilot(case.scene)[0] * min(case.samples, PART) for case in cases)
+        return sum(case.part_s() for case in cases)
+
+    def part_s(self) -> float:
+        """Seconds of a part, about."""
+        takes = TAKES[0 if self.memory is None else self.memory.number]
+        return takes * pilot(self.scene)[0] * min(self.samples, self.part)
 
     @staticmethod
     def measure(cases: list["WalkCase"], part: int) -> list[State]:
@@ -75,7 +87,8 @@ class WalkCase:
             self.max_order,
             memory=self.memory,
         )
-        for job in islice(walks, part * JOBS, (part + 1) * JOBS):
+        jobs_of_part = self.part // WALKS
+        for job in islice(walks, part * jobs_of_part, (part + 1) * jobs_of_part):
             tally.merge(run_walks(job)[1])
         state = of_tally(tally, self.directions)
         if self.directions:

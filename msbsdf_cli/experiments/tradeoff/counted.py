@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.experiments.tradeoff.rows import NAN, Row, costs, place, with_stderr
+from msbsdf_cli.experiments.tradeoff.rows import Row, costs, place, with_stderr
 from msbsdf_cli.experiments.tradeoff.surface_reference import (
     Distance,
     SurfaceReference,
@@ -62,13 +62,14 @@ def count(scene: Scene, autocorrelation: str, seed: int) -> Counted:
 
 
 def _setup_s(remembered: Remembered) -> float:
+    from msbsdf_cli.memory.correlation import correlation
     from msbsdf_cli.memory.entry import entry
     from msbsdf_cli.memory.escape import escape
     from msbsdf_cli.memory.next_facet import Memory
     from msbsdf_cli.memory.profile import profile
     from msbsdf_cli.memory.way_in import way_in
 
-    for table in (entry, escape, profile, way_in):
+    for table in (correlation, entry, escape, profile, way_in):
         # Others may have made some of them already.
         table.cache_clear()
     started = time.perf_counter()
@@ -93,11 +94,10 @@ def counted_rows(
                 Row(
                     method=NAME,
                     samples=size * WALKS,
-                    bias=NAN,
                     reference="surfaces",
                     model=MODEL,
                     **place(scene, theta),
-                    **with_stderr(relative_rmse=(total, error), noise=(noise, stderr)),
+                    **with_stderr(relative_rmse=(total, error), bias=apart, noise=(noise, stderr)),
                     **costs(total**2, (size * low, size * middle, size * high), counted.setup_s),
                 )
             )
