@@ -19,7 +19,7 @@ MARKS = {
 }
 """Marker, colour and words of a verdict."""
 
-SHORT = {"energy-compensated": "Kulla-Conty", "turquin": "Turquin", "walk-memory": "memory"}
+SHORT = {"energy-compensated": "Kulla-\nConty", "turquin": "Turquin", "walk-memory": "memory"}
 """Methods by their authors, who have shorter names."""
 
 MOST_AFTER = 1
@@ -64,7 +64,7 @@ def _panel(axis: Any, recommendation: Any, tolerance: float, against: str) -> No
     axis.yaxis.set_major_formatter("{x:g}")
     axis.set_xlim(-0.5, len(shown) - 0.5)
     names = [f"{SHORT.get(c.method, str(c.bounces or 'all'))}\n{c.facets:.3g}" for c, _ in shown]
-    axis.set_xticks(range(len(shown)), names, fontsize=6)
+    axis.set_xticks(range(len(shown)), names, fontsize=5.5)
     axis.set_title(recommendation.surface.name)
     axis.set_xlabel("bounces or method; facets met in the mean")
 
