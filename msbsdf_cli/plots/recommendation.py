@@ -19,8 +19,12 @@ MARKS = {
 }
 """Marker, colour and words of a verdict."""
 
-SHORT = {"energy-compensated": "Kulla-\nConty", "turquin": "Turquin", "walk-memory": "memory"}
-"""Methods by their authors, who have shorter names."""
+SHORT = {
+    "energy-compensated": "Kulla-\nConty",
+    "turquin": "Tur-\nquin",
+    "walk-memory": "mem-\nory",
+}
+"""Methods by their authors, who have shorter names, on two lines."""
 
 MOST_AFTER = 1
 """Candidates drawn between the choice and the model of all bounces."""
@@ -63,7 +67,7 @@ def _panel(axis: Any, recommendation: Any, tolerance: float, against: str) -> No
     axis.set_ylim(100 * floor / 1.5, 100)
     axis.yaxis.set_major_formatter("{x:g}")
     axis.set_xlim(-0.5, len(shown) - 0.5)
-    names = [f"{SHORT.get(c.method, str(c.bounces or 'all'))}\n{c.facets:.3g}" for c, _ in shown]
+    names = [SHORT.get(c.method, f"{c.bounces or 'all'}\n{c.facets:.3g}") for c, _ in shown]
     axis.set_xticks(range(len(shown)), names, fontsize=5.5)
     axis.set_title(recommendation.surface.name)
     axis.set_xlabel("bounces or method; facets met in the mean")
