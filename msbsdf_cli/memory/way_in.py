@@ -81,14 +81,16 @@ class WayIn:
             t = x * cos + x.dtype.type(farther)
             if place is None:
                 r1, r2 = self._forgotten(cor, x, t, cos, sin)
-                level = facet[1] + (s + delta) * t
+                with np.errstate(over="ignore"):
+                    level = facet[1] + (s + delta) * t
             else:
                 row = n * ANGLES + np.minimum((sin * ANGLES).astype(np.intp), ANGLES - 1)
                 at = row * self.height.shape[2] + np.maximum(place.take(some) - self.first, 0)
                 r1, r2 = self.height.ravel().take(at), self.slope.ravel().take(at)
-                # A way in as good as vertical is above everything.
                 with np.errstate(over="ignore"):
-                    level = np.minimum(hazard.linear(cor.distances[0], cor.index(t), facet), MOST)
+                    level = hazard.linear(cor.distances[0], cor.index(t), facet)
+            # A way in as good as vertical is above everything.
+            level = np.minimum(level, MOST)
             rest = np.maximum(1 - r1 * r1 - r2 * r2 * (1 - scatter), REST)
             crossing = (level - r1 * b - r2 * k) / np.sqrt(rest)
             rest = np.maximum(1 - r1 * r1 * narrower, REST)
