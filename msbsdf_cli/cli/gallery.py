@@ -156,7 +156,7 @@ GALLERY = {
                 "msbsdf figures heitz-7 heitz-sequences wang-16": (
                     *("heitz_7.png", "heitz_sequences.png", "wang_16.png"),
                 ),
-                "msbsdf figures claims --quick": ("claims.csv",),
+                "msbsdf figures claims": ("claims.csv",),
             },
         ),
     )
