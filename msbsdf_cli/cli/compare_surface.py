@@ -26,8 +26,7 @@ def check_options(runs: tuple[str, ...], options: dict[str, Any]) -> None:
     elif options["memory"]:
         raise click.UsageError("--memory beside --surface: it is for Gaussian surfaces.")
     check_memory(options)
-    if _given("gamma") and options["slopes"] != "student-t":
-        raise click.UsageError("--gamma without --slopes student-t: no other slopes have one.")
+    check_gamma(options, _given("gamma"))
 
 
 def check_slopes(options: dict[str, Any]) -> None:
@@ -36,6 +35,12 @@ def check_slopes(options: dict[str, Any]) -> None:
         raise click.UsageError(
             f"--slopes {options['slopes']} without --surface: random surfaces are beckmann."
         )
+
+
+def check_gamma(options: dict[str, Any], given: bool) -> None:
+    """Refuse a parameter of other slopes. Raises click.UsageError."""
+    if given and options["slopes"] != "student-t":
+        raise click.UsageError("--gamma without --slopes student-t: no other slopes have one.")
 
 
 def check_memory(options: dict[str, Any]) -> None:

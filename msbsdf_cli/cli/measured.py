@@ -9,11 +9,10 @@ import click
 from msbsdf_cli.cli import common, compare_skewed, compare_surface, own_surface
 from msbsdf_cli.cli.options import OF_FILE
 from msbsdf_cli.cli.simulate import RESOLVED
-from msbsdf_cli.cli.types import MOST_ROUGHNESS
 from msbsdf_cli.experiments.resolution import LEAST_RAYS, plan, rays
 from msbsdf_cli.experiments.slices import slice_directions
 from msbsdf_cli.experiments.sweep.albedos import AlbedoCase
-from msbsdf_cli.experiments.sweep.files import FileCase, own_slopes
+from msbsdf_cli.experiments.sweep.files import FileCase, notes_on, own_slopes
 from msbsdf_cli.experiments.sweep.fitted import Facets, FittedCase, RandomFacets
 from msbsdf_cli.experiments.sweep.methods import MethodCase
 from msbsdf_cli.experiments.sweep.pairs import InParts, Pair
@@ -80,7 +79,7 @@ class Settings:
 
     def _pair(self, options: Options, seed: int) -> Pair | InParts:
         """Random surfaces and what is held against them."""
-        self._check_gamma(options)
+        compare_surface.check_gamma(options, "gamma" in self.given)
         if options["heights_of"] != "gaussian":
             compare_skewed.check_options(options)
             of_surface = WITHOUT_FREE_PATHS | {"slopes": "beckmann"}
@@ -101,12 +100,8 @@ class Settings:
         """Light and walks on a surface that is given."""
         source = own_surface.source(options, self.files[options["surface"]])
         slopes = own_slopes(source)
-        if max(slopes.alpha) > MOST_ROUGHNESS:
-            raise ValueError(
-                f"{options['surface']} has the roughness {max(slopes.alpha):.2g}, beyond every "
-                "surface: its heights and its steps are in different units."
-            )
-        self.notes |= dict.fromkeys(f"{options['surface']}: {n}" for n in source.field().notes)
+        own_surface.check_roughness(options, slopes.alpha)
+        self.notes |= dict.fromkeys(f"{options['surface']}: {n}" for n in notes_on(source))
         if self.command == "walk":
             options |= {"alpha": slopes.alpha}
             return Alone(_walks(options, seed, options["samples"], False, slopes))
@@ -117,13 +112,8 @@ class Settings:
         traced = FileCase.of(scene, source, *how, directions=self.command == "compare")
         if self.command == "simulate":
             return Alone(traced)
-        self._check_gamma(options)
+        compare_surface.check_gamma(options, "gamma" in self.given)
         return InParts(traced, self._fitted(options | {"samples": samples}, seed, scene, source))
-
-    def _check_gamma(self, options: Options) -> None:
-        """Refuse a parameter of other slopes. Raises click.UsageError."""
-        if "gamma" in self.given and options["slopes"] != "student-t":
-            raise click.UsageError("--gamma without --slopes student-t: no other slopes have one.")
 
     def _fitted(self, options: Options, seed: int, scene: Scene, facets: Facets) -> FittedCase:
         slopes, gamma = (options[n] if n in self.given else None for n in ("slopes", "gamma"))

@@ -150,11 +150,16 @@ def refuse_size(field: Any, threads: int) -> None:
 
 
 def described(field: Any, options: dict[str, Any]) -> Any:
-    """Its roughness in figures. Raises click.BadParameter for a surface without slopes."""
+    """Its roughness in figures. Raises click.BadParameter for what no surface is."""
     wavelength = options["wavelength"] and options["wavelength"][0]
     about = field.describe(unit(options), wavelength)
-    for axis in "xy":
-        alpha = about[f"alpha_{axis}"].value
+    check_roughness(options, tuple(about[f"alpha_{axis}"].value for axis in "xy"))
+    return about
+
+
+def check_roughness(options: dict[str, Any], alphas: tuple[float, float]) -> None:
+    """Refuse what no surface is. Raises click.BadParameter."""
+    for axis, alpha in zip("xy", alphas, strict=True):
         if alpha > MOST_ROUGHNESS:
             raise click.BadParameter(
                 f"{options['surface']} has the roughness {alpha:.2g} along {axis}, beyond every "
@@ -168,7 +173,6 @@ def described(field: Any, options: dict[str, Any]) -> Any:
                 "are no rough surface.",
                 param_hint="--surface",
             )
-    return about
 
 
 def unit(options: dict[str, Any]) -> str:

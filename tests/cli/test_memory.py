@@ -78,6 +78,10 @@ def test_the_chart_against_surfaces_has_the_distance_in_each_error(tmp_path):
         (["compare", "--memory", "1", "--heights-of", "pits:1"], "--memory"),
         (["tradeoff", "--against", "surfaces", "--slopes", "ggx"], "Beckmann"),
         (["tradeoff", "--against", "surfaces", "--no-surfaces"], "--no-surfaces"),
+        (
+            ["tradeoff", "--autocorrelation", "exponential", "--method", "walk-memory"],
+            "remembers gaussian ones",
+        ),
         (["evaluate", "--method", "walk-memory", "--slopes", "ggx"], "beckmann"),
     ],
 )

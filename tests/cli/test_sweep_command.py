@@ -163,13 +163,14 @@ def test_a_file_may_say_true_and_false_and_steps_that_differ(scan, tmp_path):
 
 
 def test_judged_slopes_share_the_light_and_what_a_file_lacks_is_said(tmp_path):
-    path, heights = tmp_path / "scan.npy", HeightField.random(0.6, extent=12, cells=6).heights
+    path, heights = tmp_path / "scan.npy", HeightField.random(0.6, extent=8, cells=8).heights
     heights[3, 3] = np.nan
     np.save(path, heights)
     words = ("--surface", path, "--step", "0.3", "--samples", "800", "--slopes", "beckmann,ggx")
     run = msbsdf("sweep", "compare", *words, "--theta", "1", "--out", tmp_path / "a")
     assert run.returncode == 0
-    assert "scan.npy: " in run.stderr
+    assert "scan.npy: 1 " in run.stderr
+    assert "error bars are too short" in run.stderr
     rows = [r for r in table(tmp_path / "a" / "sweep.csv") if r["quantity"] == "part_correlation"]
     assert len({(r["slopes"], r["simulated"], r["difference"]) for r in rows}) == 2
     assert len({(r["simulated"], r["difference"]) for r in rows}) == 1

@@ -75,6 +75,13 @@ def own_slopes(source: Source) -> Surface:
         raise ValueError(f"{source.path}: {error}") from None
 
 
+@lru_cache(maxsize=256)
+def notes_on(source: Source) -> tuple[str, ...]:
+    """What was made of the file, and what about it costs accuracy, in sentences."""
+    field = source.field()
+    return *field.notes, *field.describe("").warnings
+
+
 @dataclass(frozen=True)
 class FileCase:
     """Light of one incident angle on a surface that is given."""
