@@ -48,6 +48,7 @@ STREAMS = {
 COMMON = {
     "heightfield": "a realisation is the same field in whatever fineness it is meshed",
     "rays": "the same rays meet the same field on two meshes, and tell these apart",
+    "free-path rays": "free paths on two meshes of one field tell these apart",
     "sweep": "the seed of a piece is told wherever it is wanted, and nothing else is drawn",
     "pilot walks": "walks that decide on a resolution, and are no part of any result",
     "pilot of time": "walks that are timed, and are no part of any result",

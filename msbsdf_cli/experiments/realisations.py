@@ -72,6 +72,8 @@ class SurfaceResult:
     free_path_weights: Array
     free_path_rays: int
     """Free paths of each row."""
+    coarser_free_paths: Array | None
+    """Those on a mesh of half the cells, if light was traced there too."""
     rays: int
     """Rays asked of Embree for the incident light."""
     embree_s: float
@@ -81,6 +83,12 @@ class SurfaceResult:
     coarser_s: float
     """Seconds for coarser meshes and tracing on them."""
     free_paths_lost: int
+
+    @property
+    def paths(self) -> tuple[Array, Array, int, Array | None]:
+        """A unit for `FreePaths.add_unit`."""
+        shares = self.free_paths, self.free_path_weights
+        return *shares, self.free_path_rays, self.coarser_free_paths
 
 
 def simulate(
@@ -129,7 +137,7 @@ def simulate(
             for tally, light in zip(tallies, result.light, strict=True):
                 tally.add_surface(light)
             groups.add([light.unit for light in result.light], number)
-            free_paths.add_unit(result.free_paths, result.free_path_weights, result.free_path_rays)
+            free_paths.add_unit(*result.paths)
             for name in notes:
                 notes[name] += getattr(result, name)
             progress.advance(rays * len(scene.theta))
@@ -203,10 +211,14 @@ def trace_surface(job: SurfaceJob, fields: Meshes | None = None) -> SurfaceResul
         for (_, unit), theta, known in zip(units, scene.theta, job.expected, strict=True)
     ]
     coarser = time.perf_counter()
+    on_half = None
     if job.on_all_meshes:
         _add_coarser(job, fields, light, [unit for unit, _ in units])
+        half = fields.surface(meshes(job.resolution.cells, job.resolution.extent)[0])
+        on_half, _, lost_there = _free_paths(job, _tracer(job, half), n)
+        lost += lost_there
     seconds = ready - started, traced - ready, time.perf_counter() - coarser
-    return SurfaceResult(light, shares, weights, n, rays, embree_s, *seconds, lost)
+    return SurfaceResult(light, shares, weights, n, on_half, rays, embree_s, *seconds, lost)
 
 
 def _tracer(job: SurfaceJob, surface: Surface) -> Tracer:

@@ -27,6 +27,9 @@ class FreePaths:
     """Units with a weight, (theta, starts)."""
     rays: int = 0
     """Rays of each row."""
+    moved: "FreePaths | None" = None
+    """Of the units that are on a mesh of half the cells too: what they have more on their own, in
+    the place of shares."""
 
     def __post_init__(self) -> None:
         rows = len(self.theta), len(self.starts)
@@ -38,26 +41,40 @@ class FreePaths:
         """The same directions, heights and bins, and nothing in them."""
         return FreePaths(self.theta, self.starts, self.edges)
 
-    def add_unit(self, share: Array, weight: Array, rays: int) -> None:
+    def add_unit(
+        self, share: Array, weight: Array, rays: int, coarser: Array | None = None
+    ) -> None:
         """Take in one unit: shares (theta, starts, bins + 1) of `rays` rays a row, and weights
-        (theta, starts), in proportion to the points that the rays stand for; 0 where none."""
+        (theta, starts), in proportion to the points that the rays stand for; 0 where none; and
+        `coarser`, the shares on a mesh of half the cells, where they are known."""
         w = weight[..., None]
         self.sums += w * share, w**2 * share, w**2 * share**2
         self.weights += weight, weight**2
         self.units += weight > 0
         self.rays += rays
+        if coarser is not None:
+            self.moved = self.moved or self.empty()
+            self.moved.add_unit(share - coarser, weight, rays)
 
     def estimate(self) -> Estimate:
-        """Probabilities (theta, starts, bins + 1) and standard errors, those of a ratio of means;
-        not a number for rows with fewer than two units."""
+        """Probabilities (theta, starts, bins + 1) and standard errors, those of a ratio of means
+        and of the mesh together; not a number for rows with fewer than two units."""
         first, linear, square = self.sums
         total, total2 = self.weights[..., None]
         units = self.units[..., None]
         with np.errstate(divide="ignore", invalid="ignore"):
             mean = first / total
             spread = np.maximum(square - 2 * mean * linear + mean**2 * total2, 0) / total**2
-            stderr = np.sqrt(spread * units / (units - 1) + 1 / self.rays**2)
-        return Estimate(mean, np.where(units > 1, stderr, np.nan))
+            square = spread * units / (units - 1) + 1 / self.rays**2 + self._of_mesh()
+        return Estimate(mean, np.where(units > 1, np.sqrt(square), np.nan))
+
+    def _of_mesh(self) -> Array | float:
+        """Squares of the errors that the mesh makes. They fall in proportion to its cells, or
+        faster: so it is off by what it has more than one of half the cells, at most."""
+        if self.moved is None or self.moved.rays == 0:
+            return 0.0
+        step = self.moved.estimate()
+        return np.maximum(np.nan_to_num(step.value) ** 2 - np.nan_to_num(step.stderr) ** 2, 0)
 
     def rows(self) -> dict[tuple[float, float], Estimate]:
         """Probabilities (bins + 1,) by direction and height of start, where two units or more had
@@ -81,3 +98,6 @@ class FreePaths:
         self.weights += other.weights
         self.units += other.units
         self.rays += other.rays
+        if other.moved is not None:
+            self.moved = self.moved or self.empty()
+            self.moved.merge(other.moved)

@@ -136,6 +136,9 @@ class Run:
         about |= {"scene": self.scene.settings(), "rays": paths.rays, "memory": self.memory}
         about |= {"free_path_theta": paths.theta, "free_path_starts": paths.starts}
         arrays = {f"free_path_{name}": getattr(paths, name) for name in FREE_PATH}
+        if paths.moved is not None:
+            about["rays_moved"] = paths.moved.rays
+            arrays |= {f"moved_{name}": getattr(paths.moved, name) for name in FREE_PATH[1:]}
         for i, tally in enumerate(self.tallies):
             arrays |= {f"light_{i}_{name}": array for name, array in tally.arrays().items()}
             about |= {"extent": tally.extent} if isinstance(tally, SurfaceTally) else {}
@@ -167,6 +170,11 @@ def _run(about: dict[str, Any], arrays: dict[str, Array]) -> Run:
     for name in FREE_PATH[1:]:
         getattr(paths, name)[:] = arrays[f"free_path_{name}"]
     paths.rays = int(about["rays"])
+    if "rays_moved" in about:
+        paths.moved = paths.empty()
+        for name in FREE_PATH[1:]:
+            getattr(paths.moved, name)[:] = arrays[f"moved_{name}"]
+        paths.moved.rays = int(about["rays_moved"])
     light = about["kind"], scene, tallies, paths, about["heights"], arrays.get("lobe_groups")
     how = about["wall_s"], about["notes"], arrays.get("group_units"), about.get("memory", 0)
     return Run(*light, *how)

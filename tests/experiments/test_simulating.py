@@ -1,5 +1,7 @@
 """Standard errors of a simulation: those that its results show over seeds, and on finer meshes."""
 
+from copy import copy
+
 import numpy as np
 
 from msbsdf_cli.experiments.random_surfaces import Resolution
@@ -14,21 +16,29 @@ EDGES = HEIGHTS["gaussian"].edges
 
 
 def run(resolution, rays, seed, alpha=1.0, theta=0.0):
-    """Tally of one incident angle and free paths from below the middle."""
+    """Tally of one incident angle, and free paths up from below the middle and down from it."""
     scene = Scene(Conductor(), Beckmann(alpha, alpha), (theta,), 0.3)
-    paths = FreePaths((1.0,), (-1.0,), EDGES)
+    paths = FreePaths((1.0, 2.0), (-1.0, 0.0), EDGES)
     outcome = simulate(scene, rays, resolution, paths, seed, 1, 1000, True)
-    return outcome.tallies[0], outcome.free_paths.estimate()
+    return outcome.tallies[0], outcome.free_paths
+
+
+def alone(paths):
+    """Free paths with the noise of surfaces alone for an error."""
+    paths = copy(paths)
+    paths.moved = None
+    return paths
 
 
 def test_stated_errors_are_the_spread_over_seeds():
     """Of energies by regression on controls and by extrapolation, and of free paths."""
     runs = [run(Resolution(8, 8, 8), 16_000, seed) for seed in range(40)]
     energies = [tally.estimate("energy") for tally, _ in runs]
+    paths = [alone(found).estimate() for _, found in runs]
     figures = {
         "order 1": [(e.value[0, 0], e.stderr[0, 0]) for e in energies],
         "order 2": [(e.value[1, 0], e.stderr[1, 0]) for e in energies],
-        "escape": [(paths.value[0, 0, -1], paths.stderr[0, 0, -1]) for _, paths in runs],
+        "escape": [(p.value[0, 0, -1], p.stderr[0, 0, -1]) for p in paths],
     }
     for name, pairs in figures.items():
         values, stated = np.array(pairs).T
@@ -50,6 +60,17 @@ def test_stated_errors_cover_what_coarse_facets_do():
     assert np.all(apart < 3 * coarse.stderr[:, 0])
     noise = np.sqrt(coarse.stderr[:, 0] ** 2 - facets**2)
     assert np.any(apart[3:] > 4 * noise[3:]), "noise alone would not have covered it"
+
+
+def test_stated_errors_of_free_paths_cover_what_facets_do():
+    """Between two facets is a valley where the field has none: of those that go down from the
+    middle, too many are met nearby. The same fields on 32 cells tell."""
+    (_, coarse), (_, fine) = (run(Resolution(cells, 6, 8), 100_000, 5, 0.5) for cells in (8, 32))
+    nearby = 1, 1, np.searchsorted(EDGES, 0.0) - 1
+    value, stderr = (getattr(coarse.estimate(), part)[nearby] for part in ("value", "stderr"))
+    apart = value - fine.estimate().value[nearby]
+    assert 0 < apart < 2 * stderr
+    assert apart > 3 * alone(coarse).estimate().stderr[nearby], "noise alone would not cover it"
 
 
 def test_the_error_of_the_mesh_falls_with_its_cells():

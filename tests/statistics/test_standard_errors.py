@@ -50,3 +50,16 @@ def test_of_two_fields_of_a_convergence():
 
 def test_of_two_batches_of_an_identity():
     assert of_batches(0.5, TWO).stderr == pytest.approx(0.25)
+
+
+def test_free_paths_state_what_half_the_cells_would_have_more():
+    """A step of .1 on surfaces that agree is all error; one that scatters as much is noise."""
+    for scatter, expected in ((0.0, 0.1), (0.3, 0.0)):
+        paths = FreePaths((1.0,), (0.0,), np.array([0.0, 1.0]))
+        for sign in 1, -1:
+            coarser = np.full((1, 1, 2), 0.4 + sign * scatter)
+            paths.add_unit(np.full((1, 1, 2), 0.5), np.ones((1, 1)), 10**6, coarser)
+        merged = paths.empty()
+        merged.merge(paths)
+        for found in paths, merged:
+            np.testing.assert_allclose(found.estimate().stderr, expected, atol=2e-6)

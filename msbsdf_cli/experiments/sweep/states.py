@@ -65,14 +65,18 @@ def _energies(tally: Tally) -> Array:
 FREE_PATHS = ("sums", "weights", "units")
 
 
-def of_free_paths(paths: FreePaths) -> State:
-    """The state of free paths."""
-    state = {f"free_path_{name}": getattr(paths, name) for name in FREE_PATHS}
-    return state | {"free_path_rays": np.array(paths.rays)}
+MOVED = "moved_"
+"""Before the names of what free paths have more than on a mesh of half the cells."""
 
 
-def restore_free_paths(paths: FreePaths, state: State) -> None:
+def of_free_paths(paths: FreePaths, what: str = "") -> State:
+    """The state of free paths, apart from others by `what`."""
+    state = {f"{what}free_path_{name}": getattr(paths, name) for name in FREE_PATHS}
+    return state | {f"{what}free_path_rays": np.array(paths.rays)}
+
+
+def restore_free_paths(paths: FreePaths, state: State, what: str = "") -> None:
     """Put a state into empty free paths."""
     for name in FREE_PATHS:
-        getattr(paths, name)[:] = state[f"free_path_{name}"]
-    paths.rays = int(state["free_path_rays"])
+        getattr(paths, name)[:] = state[f"{what}free_path_{name}"]
+    paths.rays = int(state[f"{what}free_path_rays"])

@@ -14,6 +14,7 @@ from msbsdf_cli.experiments.realisations import (
     trace_surface,
 )
 from msbsdf_cli.experiments.sweep.states import (
+    MOVED,
     State,
     of_free_paths,
     of_tally,
@@ -121,6 +122,8 @@ class SurfaceCase:
         groups = None
         if self.directions:
             restore_free_paths(sums.paths, state)
+            sums.paths.moved = sums.paths.empty()
+            restore_free_paths(sums.paths.moved, state, MOVED)
             sums.groups.sums, sums.groups.units = state["group_sums"], state["group_units"]
             groups = sums.groups.lobes()
         return Run("simulate", self.scene, [sums.tally], sums.paths, "gaussian", groups)
@@ -149,14 +152,15 @@ class _Sums:
         self.tally.add_surface(found.light[0])
         if self.case.directions:
             self.groups.add([found.light[0].unit], number)
-            paths = found.free_paths, found.free_path_weights, found.free_path_rays
-            self.paths.add_unit(*paths)
+            self.paths.add_unit(*found.paths)
 
     def state(self) -> State:
         """All sums by name."""
         state = of_tally(self.tally, self.case.directions)
         if self.case.directions:
             state |= of_free_paths(self.paths)
+            # Of every piece, as states have the same names; not all have surfaces on two meshes.
+            state |= of_free_paths(self.paths.moved or self.paths.empty(), MOVED)
             state["group_sums"] = self.groups.sums
             state["group_units"] = self.groups.units
         return state
