@@ -121,9 +121,9 @@ def take_runs(names: tuple[str, ...], options: dict[str, Any]) -> dict[str, Any]
                 "are compared."
             )
         handed[run.kind] = run
-        if run.kind == "simulate" and options["memory"]:
-            # A walk remembers the surface on which light was traced.
-            options["autocorrelation"] = record["options"]["autocorrelation"]
+        if run.kind == "simulate":
+            # What remembers a surface remembers that on which light was traced.
+            options["autocorrelation"] = record["options"].get("autocorrelation", "gaussian")
         source = click.get_current_context().get_parameter_source
         for option in OF_RANDOM if run.kind == "simulate" else ():
             if source(option.replace("-", "_")) is click.core.ParameterSource.COMMANDLINE:
@@ -252,7 +252,7 @@ def modelled(
     if options["method"] is not None:
         from msbsdf_cli.experiments.method_lobes import method_lobes
 
-        names = ("samples", "seed", "threads", "precision", "quiet")
+        names = ("samples", "seed", "threads", "precision", "quiet", "autocorrelation")
         return method_lobes(scene, options["method"], *(options[name] for name in names))
     if "walk" in handed:
         return [handed["walk"].lobes()]

@@ -11,7 +11,7 @@ from msbsdf_cli.cli.options import MODEL_IN_COLOUR, REPORT, samples, use
 
 
 @click.command("evaluate", cls=Page)
-@use("method", "bidirectional", *MODEL_IN_COLOUR, "phi-o", "points", "orders")
+@use("method", "bidirectional", "remembered", *MODEL_IN_COLOUR, "phi-o", "points", "orders")
 @samples("1e5")
 @use("seed", "threads", "precision", *REPORT)
 def command(**options: Any) -> None:
@@ -41,6 +41,7 @@ def command(**options: Any) -> None:
         f"{walks:.2g} walks of {facets:.2g} facets in the mean to {options['points']} directions"
     )
     report.warn(common.scene_warnings(options) + without_effect(options))
+    report.warn(common.not_remembered(options))
     report.warn(common.method_warnings([scene], methods))
     report.warn(common.long_warnings(options, work_s, walking))
     directions = slice_directions(scene, options["phi_o"], options["points"])
@@ -48,7 +49,8 @@ def command(**options: Any) -> None:
         work = scene, methods, directions.wo, options["samples"]
         both_ends = options["bidirectional"]
         arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
-        values = evaluate(*work, *arithmetic, bidirectional=both_ends)
+        of = options["autocorrelation"]
+        values = evaluate(*work, *arithmetic, bidirectional=both_ends, autocorrelation=of)
         report.warn(hardly_known(values))
         table = slice_table(scene, directions, values)
         errors = slice_errors(values, scene.phi)

@@ -21,7 +21,7 @@ from msbsdf_cli.cli.types import Roughness
     help="Roughness, along x and y; repeat it for several.",
 )
 @use("method", *(name for name in MODEL_IN_COLOUR if name not in ("alpha", "theta")))
-@use("theta-furnace", "orders", "accuracy-of-solve")
+@use("theta-furnace", "orders", "accuracy-of-solve", "remembered")
 @samples("4096")
 @use("seed", "threads", *REPORT)
 def command(**options: Any) -> None:
@@ -55,11 +55,12 @@ def command(**options: Any) -> None:
     work = f"{len(methods)} methods at {len(alphas)} roughnesses and {len(scene.theta)} angles"
     work += ", and a sphere of each"
     report.warn(common.long_warnings(options, work_s, work))
+    report.warn(common.not_remembered(options))
     if accuracy is not None and Solve.name not in methods:
         report.warn(["--accuracy has no effect: it is for --method solve."])
     settings = options["samples"], options["seed"], accuracy, options["threads"], options["quiet"]
     with report.draft() as draft:
-        results = furnace(scene, alphas, methods, *settings)
+        results = furnace(scene, alphas, methods, *settings, options["autocorrelation"])
         known = not_reached(results, accuracy) if accuracy else hardly_known(scene, results)
         report.warn(known)
         of_methods = options["seed"], options["threads"], options["quiet"]

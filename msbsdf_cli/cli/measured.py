@@ -93,8 +93,8 @@ class Settings:
         if options["method"] is None:
             return Pair(surfaces, _walks(options, seed, samples, True))
         methods = common.methods_for(surfaces.scene, options["method"])
-        place = seed_of(seed, _identity(options)), options["precision"]
-        return Pair(surfaces, MethodCase(surfaces.scene, methods, samples, *place))
+        how = seed_of(seed, _identity(options)), options["precision"], options["autocorrelation"]
+        return Pair(surfaces, MethodCase(surfaces.scene, methods, samples, *how))
 
     def _on_file(self, options: Options, seed: int) -> Measured:
         """Light and walks on a surface that is given."""
@@ -212,6 +212,7 @@ def _values(options: Options, seed: int) -> ValueCase:
         seed_of(seed, _identity(options)),
         options["precision"],
         options["bidirectional"],
+        options["autocorrelation"],
     )
 
 
@@ -224,4 +225,5 @@ def _albedos(options: Options, seed: int) -> AlbedoCase:
         # Of all angles: they are measured together.
         seed_of(seed, _identity(options, "theta")),
         options["accuracy"],
+        options["autocorrelation"],
     )

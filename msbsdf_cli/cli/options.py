@@ -162,6 +162,12 @@ _OPTIONS: dict[str, Any] = {
         help="Of the heights: gaussian, exponential, matern:NU or power-law:HURST; of several, the "
         "one model is held against surfaces of each.",
     ),
+    "remembered": dict(
+        type=Autocorrelation(),
+        default="gaussian",
+        help="Of the heights that walk-memory remembers: gaussian, exponential, matern:NU or "
+        "power-law:HURST.",
+    ),
     "heights-of": dict(
         type=HeightsOf(),
         default="gaussian",
@@ -257,6 +263,7 @@ VARIANTS = {
     "surface-slopes": "slopes",
     "slopes-or-surface": "slopes",
     "autocorrelations": "autocorrelation",
+    "remembered": "autocorrelation",
     "eta-k-channels": "eta-k",
     "albedo-channels": "albedo",
     "theta-furnace": "theta",

@@ -104,17 +104,8 @@ def methods_of(scene: Any, options: dict[str, Any]) -> tuple[str, ...]:
     distance from it is no error."""
     from msbsdf_cli.cli import common
     from msbsdf_cli.methods.registry import METHODS
-    from msbsdf_cli.methods.walk_memory import WalkMemory
 
     found = common.methods_for(scene, options["method"])
-    if options["autocorrelation"] != "gaussian" and WalkMemory.name in found:
-        # What it remembers here is a surface of Gaussian autocorrelation.
-        if options["method"] is not None:
-            raise click.UsageError(
-                f"--autocorrelation {options['autocorrelation']} beside method walk-memory, which "
-                "remembers gaussian ones here; `walk` and `compare --memory 1` take any."
-            )
-        found = tuple(name for name in found if name != WalkMemory.name)
     if options["method"] is not None or options["against"] == "surfaces":
         return found
     return tuple(name for name in found if METHODS[name].traits.smith_first)
@@ -142,7 +133,7 @@ def settings_from(scene: Any, options: dict[str, Any]) -> Any:
         if options["realisations"] is None:
             resolution = replace(resolution, realisations=max(resolution.realisations, SURFACES))
     same = ("samples", "replicates", "directions", "qmc", "rays", "seed", "threads", "quiet")
-    amounts = {name: options[name] for name in (*same, "against")}
+    amounts = {name: options[name] for name in (*same, "against", "autocorrelation")}
     return Settings(methods=options["method"], resolution=resolution, **amounts)
 
 

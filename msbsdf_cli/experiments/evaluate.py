@@ -42,6 +42,8 @@ class EvaluationJob:
     """Outgoing directions (3, n)."""
     bidirectional: bool
     """Whether position-free models follow paths from both ends."""
+    autocorrelation: str = "gaussian"
+    """Of the surfaces that a method remembers."""
 
 
 @dataclass
@@ -74,13 +76,15 @@ def evaluate(
     quiet: bool,
     solid_angle: Array | None = None,
     bidirectional: bool = False,
+    autocorrelation: str = "gaussian",
 ) -> list[Values]:
     """All methods for all incident angles and outgoing directions (3, n), angle by angle.
 
     Directions (k, 3, n) are averaged over k: parts of the samples take them in turn, so that they
     cost no more, and a method without noise does all of them. `solid_angle` (n,) makes the
     directions a quadrature, and energies of it. `bidirectional` is for the position-free models,
-    see `msbsdf_cli.methods.position_free`.
+    see `msbsdf_cli.methods.position_free`, `autocorrelation` that of the surfaces which
+    `walk-memory` remembers.
     Raises `UnsupportedError` where a method does not hold for the scene.
     """
     turns = wo.reshape(-1, *wo.shape[-2:])
@@ -91,10 +95,8 @@ def evaluate(
         for angles in _shared_angles(len(scene.theta), noiseless):
             for k, size in enumerate(sizes):
                 ends = turns[k % len(turns)]
-                job = EvaluationJob(
-                    scene, name, angles, k, size, seed, precision, ends, bidirectional
-                )
-                jobs.append(job)
+                how = seed, precision, ends, bidirectional, autocorrelation
+                jobs.append(EvaluationJob(scene, name, angles, k, size, *how))
     parts: dict[tuple[int, str], list[Part]] = {}
     with Progress("evaluate", len(jobs), "parts", quiet) as progress:
         for job, results in zip(jobs, map_ordered(run_job, jobs, workers), strict=True):
@@ -138,7 +140,7 @@ def run_job(job: EvaluationJob) -> list[Part]:
     for i in job.angles:
         started = time.perf_counter()
         arguments = scene.slopes, scene.material, scene.orders
-        method = _method(job.method, *arguments, job.bidirectional)
+        method = _method(job.method, *arguments, job.bidirectional, job.autocorrelation)
         rng = stream(job.seed, "evaluate", job.method, i, job.part)
         wi = scene.wi(scene.theta[i], dtype)
         evaluation = method.evaluate(wi, wo, job.samples, rng)
@@ -150,14 +152,19 @@ def run_job(job: EvaluationJob) -> list[Part]:
 
 @lru_cache(maxsize=2)
 def _method(
-    name: str, slopes: Slopes, material: Material, orders: int, bidirectional: bool
+    name: str,
+    slopes: Slopes,
+    material: Material,
+    orders: int,
+    bidirectional: bool,
+    autocorrelation: str,
 ) -> Method:
     """Set up once in a process for all parts and angles."""
     arguments = slopes, material, orders
     method = METHODS[name]
     if bidirectional and issubclass(method, PositionFree):
         return method(*arguments, bidirectional=True)
-    return method(*arguments)
+    return method.on(*arguments, autocorrelation)
 
 
 def _scatter(values: Array, share: Array, turns: int) -> Array:

@@ -48,6 +48,8 @@ class FurnaceJob:
     seed: int
     accuracy: float | None
     """Wanted of `solve`."""
+    autocorrelation: str = "gaussian"
+    """Of the surfaces that a method remembers."""
 
 
 @dataclass
@@ -72,10 +74,11 @@ def furnace(
     accuracy: float | None,
     workers: Workers,
     quiet: bool,
+    autocorrelation: str = "gaussian",
 ) -> list[Albedos]:
     """All methods at all roughnesses, for the incident angles of `scene`."""
     jobs = [
-        FurnaceJob(scene.of_roughness(alpha), name, samples, seed, accuracy)
+        FurnaceJob(scene.of_roughness(alpha), name, samples, seed, accuracy, autocorrelation)
         for name in methods
         for alpha in alphas
     ]
@@ -127,7 +130,7 @@ def albedo_sums(job: FurnaceJob) -> list[AlbedoSums]:
     if job.method == Solve.name and job.accuracy is not None:
         method: Method = Solve.accurate(*arguments, directions, job.accuracy)
     else:
-        method = METHODS[job.method](*arguments)
+        method = METHODS[job.method].on(*arguments, job.autocorrelation)
     single = Single(*arguments)
     return [_sums(job, method, single, i, wi) for i, wi in enumerate(directions.T)]
 

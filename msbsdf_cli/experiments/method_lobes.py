@@ -28,8 +28,10 @@ def method_lobes(
     workers: Workers,
     precision: str,
     quiet: bool,
+    autocorrelation: str = "gaussian",
 ) -> list[Lobes]:
-    """Lobes of methods in the bins of a simulation that has `rays` rays for each incident angle.
+    """Lobes of methods in the bins of a simulation of surfaces of this autocorrelation that has
+    `rays` rays for each incident angle.
 
     Methods that evaluate do not say what was absorbed. Raises `UnsupportedError` where a method
     does not hold for the scene.
@@ -38,7 +40,11 @@ def method_lobes(
     wo, solid_angle = bins(transmits, places(scene))
     samples = max(round(rays * SAMPLES_OF_RAYS), 32)
     arithmetic = seed, workers, precision, quiet
-    values = evaluate(scene, methods, wo, samples, *arithmetic, solid_angle)
+    values = evaluate(
+        *(scene, methods, wo, samples, *arithmetic),
+        solid_angle=solid_angle,
+        autocorrelation=autocorrelation,
+    )
     shape = len(scene.theta), scene.orders + 1, 1 + transmits, -1
     place = scene.theta, scene.phi, scene.orders, transmits
     found = []

@@ -74,6 +74,12 @@ class MethodBase:
         self.check_supported(slopes, material)
         self.slopes, self.material, self.orders = slopes, material, orders
 
+    @classmethod
+    def on(cls, slopes: Slopes, material: Material, orders: int, autocorrelation: str) -> Self:
+        """The method for surfaces of this autocorrelation, of which the Smith model knows
+        nothing."""
+        return cls(slopes, material, orders)
+
     def undersampling(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Array:
         """Error (channels, n) that paths may leave in all values from order 2 on which none of
         `samples` walks has found; it adds to `stderr` in quadrature. 0 without noise."""

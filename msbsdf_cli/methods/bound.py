@@ -54,12 +54,14 @@ def methods() -> tuple[str, ...]:
     return tuple(METHODS)
 
 
-def method(name: str, model: Smith, orders: int = 4) -> Bsdf:
-    """The method `name` for a model, orders 1 to `orders` told apart.
+def method(name: str, model: Smith, orders: int = 4, autocorrelation: str = "gaussian") -> Bsdf:
+    """The method `name` for a model, orders 1 to `orders` told apart. `autocorrelation` is that of
+    the surfaces which `walk-memory` remembers.
 
     Raises UnsupportedError, a ValueError, for a material or slopes that it does not hold for, and
     ValueError for a name that is none.
     """
     one_of(name, METHODS, "a method")
     orders = count(orders, "orders")
-    return Bsdf(name, model, orders, METHODS[name](model.slopes, model.material, orders))
+    made = METHODS[name].on(model.slopes, model.material, orders, autocorrelation)
+    return Bsdf(name, model, orders, made)

@@ -48,6 +48,11 @@ class Method(Protocol):
 
     def __init__(self, slopes: Slopes, material: Material, orders: int) -> None: ...
 
+    @classmethod
+    def on(cls, slopes: Slopes, material: Material, orders: int, autocorrelation: str) -> Self:
+        """The method for surfaces of this autocorrelation, as `surfaces.spectrum` names it. It
+        makes a difference to methods alone that remember surfaces."""
+
     def evaluate(self, wi: Array, wo: Array, samples: int, rng: np.random.Generator) -> Evaluation:
         """Evaluate for a unit vector `wi` (3,), z > 0, and unit vectors `wo` (3, n), z either sign.
 

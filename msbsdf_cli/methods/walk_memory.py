@@ -1,5 +1,7 @@
 """The random walk that remembers the last facet: below the floor of the Smith model."""
 
+from typing import Self
+
 import numpy as np
 
 from msbsdf_cli.memory import next_event
@@ -16,7 +18,7 @@ from msbsdf_cli.methods.traits import Traits
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
-from surfaces.spectrum import GAUSSIAN, Spectrum
+from surfaces.spectrum import GAUSSIAN, Spectrum, spectrum
 
 MAX_ORDER = 10_000
 """Facets after which a walk counts as unresolved: light that creeps along a hollow meets thousands,
@@ -48,6 +50,10 @@ class WalkMemory(FollowsPaths):
     ) -> None:
         super().__init__(slopes, material, orders)
         self.memory = Memory.of(spectrum)
+
+    @classmethod
+    def on(cls, slopes: Slopes, material: Material, orders: int, autocorrelation: str) -> Self:
+        return cls(slopes, material, orders, spectrum(autocorrelation))
 
     @classmethod
     def check_supported(cls, slopes: Slopes, material: Material) -> None:

@@ -2,8 +2,11 @@
 
 import json
 
+import click
 import pytest
 from command_line import msbsdf, refused, table
+
+from msbsdf_cli.methods.walk_memory import WalkMemory
 
 SMALL = ["--alpha", "1", "--theta", "1", "--samples", "4000", "--threads", "1", "--quiet"]
 COARSE = ["--cells", "8", "--extent", "8", "--realisations", "4"]
@@ -67,6 +70,47 @@ def test_the_chart_against_surfaces_has_the_distance_in_each_error(tmp_path):
     )
 
 
+FEW = ["--alpha", "1", "--theta", "1.4", "--samples", "200"]
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Autocorrelations that the method is asked for, which then ends the command."""
+    found = set()
+
+    def on(slopes, material, orders, autocorrelation):
+        found.add(autocorrelation)
+        raise click.ClickException("that is enough")
+
+    monkeypatch.setattr(WalkMemory, "on", on)
+    return found
+
+
+@pytest.mark.parametrize("command", ["evaluate", "furnace", "compare", "tradeoff"])
+@pytest.mark.parametrize("sweep", [False, True], ids=["alone", "sweep"])
+def test_methods_remember_the_surface_that_is_meant(command, sweep, tmp_path, asked):
+    if command == "tradeoff" and sweep:
+        pytest.skip("a chart is of one scene")
+    more = COARSE if command in ("compare", "tradeoff") else []
+    words = [*(["sweep"] if sweep else []), command, *FEW, *more, "--method", "walk-memory"]
+    result = msbsdf(*words, "--autocorrelation", "exponential", "--out", tmp_path / "r")
+    assert "no effect" not in result.stderr
+    assert asked == {"exponential"}
+
+
+def test_a_report_of_surfaces_says_what_methods_remember(tmp_path, asked):
+    of = "--autocorrelation", "exponential", "--out", tmp_path / "s"
+    assert msbsdf("simulate", *FEW, *COARSE, *of).returncode == 0
+    msbsdf("compare", tmp_path / "s", "--method", "walk-memory", "--out", tmp_path / "c")
+    assert asked == {"exponential"}
+
+
+def test_an_autocorrelation_that_nothing_remembers_is_told(tmp_path):
+    words = [*FEW, "--method", "single", "--autocorrelation", "exponential"]
+    result = msbsdf("evaluate", *words, "--out", tmp_path / "e")
+    assert "--autocorrelation has no effect" in result.stderr
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -78,10 +122,6 @@ def test_the_chart_against_surfaces_has_the_distance_in_each_error(tmp_path):
         (["compare", "--memory", "1", "--heights-of", "pits:1"], "--memory"),
         (["tradeoff", "--against", "surfaces", "--slopes", "ggx"], "Beckmann"),
         (["tradeoff", "--against", "surfaces", "--no-surfaces"], "--no-surfaces"),
-        (
-            ["tradeoff", "--autocorrelation", "exponential", "--method", "walk-memory"],
-            "remembers gaussian ones",
-        ),
         (["evaluate", "--method", "walk-memory", "--slopes", "ggx"], "beckmann"),
     ],
 )

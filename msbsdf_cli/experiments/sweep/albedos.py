@@ -35,6 +35,8 @@ class AlbedoCase:
     samples: int
     seed: int
     accuracy: float | None
+    autocorrelation: str = "gaussian"
+    """Of the surfaces that a method remembers."""
 
     @property
     def parts(self) -> int:
@@ -50,7 +52,8 @@ class AlbedoCase:
         # All angles at once: a method is set up for all of them.
         first = cases[0]
         scene = replace(first.scene, theta=tuple(c.scene.theta[0] for c in cases))
-        job = FurnaceJob(scene, first.methods[part], first.samples, first.seed, first.accuracy)
+        how = first.samples, first.seed, first.accuracy, first.autocorrelation
+        job = FurnaceJob(scene, first.methods[part], *how)
         sums = albedo_sums(job)
         return [_state(sums[i :: len(cases)], part, first.parts) for i in range(len(cases))]
 

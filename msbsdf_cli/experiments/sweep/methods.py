@@ -31,6 +31,8 @@ class MethodCase:
     """Of the surfaces that the lobes are held against."""
     seed: int
     precision: str
+    autocorrelation: str = "gaussian"
+    """Of the surfaces."""
 
     @property
     def parts(self) -> int:
@@ -50,7 +52,7 @@ class MethodCase:
 
     def sums(self, part: int) -> State:
         """The lobes of one method, in its place among those of all."""
-        how = self.seed, 1, self.precision, True
+        how = self.seed, 1, self.precision, True, self.autocorrelation
         (found,) = method_lobes(self.scene, (self.methods[part],), self.rays, *how)
         state = {"runs": np.array(1.0)}
         for name in ESTIMATES:

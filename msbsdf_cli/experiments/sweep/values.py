@@ -34,6 +34,8 @@ class ValueCase:
     seed: int
     precision: str
     bidirectional: bool
+    autocorrelation: str = "gaussian"
+    """Of the surfaces that a method remembers."""
 
     @property
     def parts(self) -> int:
@@ -53,7 +55,8 @@ class ValueCase:
         """Sums over the parts of the samples of one method, in its place among those of all."""
         method, scene = self.methods[part], self.scene
         sizes = [1] if METHODS[method].deterministic else part_sizes(self.samples, 1)
-        how = self.seed, self.precision, self.directions.wo, self.bidirectional
+        arithmetic = self.seed, self.precision, self.directions.wo
+        how = *arithmetic, self.bidirectional, self.autocorrelation
         jobs = (EvaluationJob(scene, method, (0,), i, n, *how) for i, n in enumerate(sizes))
         sums = total(_sums(found) for job in jobs for found in run_job(job))
         return {name: in_place(array, part, self.parts) for name, array in sums.items()}

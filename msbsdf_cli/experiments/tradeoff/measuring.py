@@ -51,6 +51,8 @@ class Setting:
     """Of `solve`."""
     one_by_one: bool = False
     """Whether to ask for one outgoing direction at a time, as a renderer does."""
+    autocorrelation: str = "gaussian"
+    """Of the surfaces that a method remembers."""
 
     @property
     def deterministic(self) -> bool:
@@ -63,7 +65,7 @@ class Setting:
         if self.method == "solve":
             method = Solve(*arguments, self.resolution)
         else:
-            method = METHODS[self.method](*arguments)
+            method = METHODS[self.method].on(*arguments, self.autocorrelation)
         return OneByOne(method) if self.one_by_one else method
 
 
@@ -88,7 +90,7 @@ class OneByOne(MethodBase):
         return self.method.pdf(wi, wo)
 
 
-def ladder(methods: tuple[str, ...], most: int) -> list[Setting]:
+def ladder(methods: tuple[str, ...], most: int, autocorrelation: str = "gaussian") -> list[Setting]:
     """The settings of all methods, each from its cheapest to its dearest of `most` samples."""
     samples = [most]
     while samples[0] // STEP >= FEWEST:
@@ -100,7 +102,7 @@ def ladder(methods: tuple[str, ...], most: int) -> list[Setting]:
         elif METHODS[name].deterministic:
             settings.append(Setting(name))
         else:
-            settings += [Setting(name, n) for n in samples]
+            settings += [Setting(name, n, autocorrelation=autocorrelation) for n in samples]
     return settings
 
 

@@ -49,6 +49,8 @@ class Settings:
     """Whether paths start from scrambled Sobol points."""
     resolution: Resolution | None
     """Of the surfaces; None: they are left out."""
+    autocorrelation: str
+    """Of the surfaces, also of those that methods remember."""
     against: str
     """What errors are against: `smith`, or `surfaces`."""
     rays: int
@@ -82,24 +84,24 @@ class Result:
 
 def study(scene: Scene, settings: Settings) -> Result:
     """Measure all methods against the Smith model solved, and that against surfaces."""
-    seed, methods = settings.seed, settings.methods
+    seed, methods, of = settings.seed, settings.methods, settings.autocorrelation
     lobes = [lobe_directions(scene, theta, settings.directions, seed) for theta in scene.theta]
     pairs = [lobe_directions(scene, theta, PAIRS, seed) for theta in scene.theta]
     truth, pair_truth = references(scene, lobes, pairs, methods, settings.samples, seed)
     protocol = settings.protocol("chart")
     with Progress("methods", protocol.replicates + 1, "rounds", settings.quiet) as progress:
-        steps = ladder(methods, settings.samples)
+        steps = ladder(methods, settings.samples, of)
         series = measure(scene, steps, lobes, protocol, progress.advance)
     rows = method_rows(scene, series, truth)
     surfaces, found, energies = None, [], []
     if settings.resolution is not None:
         work = settings.rays, seed, settings.threads, settings.quiet
         surfaces = trace_surfaces(scene, settings.resolution, *work)
-        found = distances(scene, methods, surfaces, seed, settings.threads)
+        found = distances(scene, methods, surfaces, seed, settings.threads, of)
         energies = energy_rows(scene, surfaces.steps, surfaces.spent, surfaces.rays)
         rows = [*rows, *simulate_rows(scene, surfaces)]
         if settings.against == "surfaces" and "walk-memory" in methods:
-            counted = count(scene, settings.resolution.autocorrelation, seed)
+            counted = count(scene, of, seed)
             more, apart = counted_rows(scene, counted, surfaces)
             rows, found = [*rows, *more], [*found, *apart]
         rows = with_distances(rows, found)
@@ -127,7 +129,9 @@ def _too_near(truth: Reference, better: float) -> str:
 
 def pair_rows(scene: Scene, lobes: list[Lobe], truth: Reference, settings: Settings) -> list[Row]:
     """Rows of a renderer's case: one pair of directions at a time."""
-    steps = [replace(s, one_by_one=True) for s in one_each(settings.methods, settings.samples)]
+    of = settings.autocorrelation
+    each = one_each(settings.methods, settings.samples)
+    steps = [replace(s, one_by_one=True, autocorrelation=of) for s in each]
     protocol = settings.protocol("pairs", PAIR_REPLICATES)
     with Progress("pairs", protocol.replicates + 1, "rounds", settings.quiet) as progress:
         series = measure(scene, steps, lobes, protocol, progress.advance)

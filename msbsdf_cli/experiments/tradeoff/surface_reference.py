@@ -107,12 +107,14 @@ class ModelJob:
     model: str
     part: int
     seed: int
+    autocorrelation: str
 
 
 def sample_model(job: ModelJob) -> Array:
     """Energy in merged bins (angles, bins), of the first channel."""
     scene = job.scene
-    method = METHODS[job.model](scene.slopes, scene.material, scene.orders)
+    of = scene.slopes, scene.material, scene.orders
+    method = METHODS[job.model].on(*of, job.autocorrelation)
     lobes = []
     for i, theta in enumerate(scene.theta):
         rng = stream(job.seed, "model lobe", job.model, i, job.part)
@@ -131,11 +133,20 @@ def sampler(model: str) -> str:
 
 
 def distances(
-    scene: Scene, methods: tuple[str, ...], surfaces: SurfaceReference, seed: int, workers: Workers
+    scene: Scene,
+    methods: tuple[str, ...],
+    surfaces: SurfaceReference,
+    seed: int,
+    workers: Workers,
+    autocorrelation: str,
 ) -> list[Distance]:
     """Of the models behind the methods, and always of the Smith model."""
     models = dict.fromkeys(["smith", *(METHODS[name].traits.model for name in methods)])
-    jobs = [ModelJob(scene, sampler(m), part, seed) for m in models for part in range(PARTS)]
+    jobs = [
+        ModelJob(scene, sampler(model), part, seed, autocorrelation)
+        for model in models
+        for part in range(PARTS)
+    ]
     results = list(map_ordered(sample_model, jobs, workers))
     solid_angle = merged_solid_angle()
     found = []
