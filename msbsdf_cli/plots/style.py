@@ -1,6 +1,7 @@
 """How pictures look: for print, and told apart without colour where it matters."""
 
 import os
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -101,7 +102,7 @@ def look(name: str) -> dict[str, Any]:
 def short_ticks(axis: Any) -> None:
     """Few numbers up the axis, as short as can be: none reaches into the panel to its left."""
     axis.yaxis.set_major_locator(MaxNLocator(4))
-    axis.yaxis.set_major_formatter("{x:g}")
+    axis.yaxis.set_major_formatter(lambda x, _: re.sub(r"^(-?)0\.", r"\1.", f"{x:.3g}"))
 
 
 def method_lines(names: Iterable[str]) -> list[Line2D]:

@@ -89,7 +89,7 @@ def _draw_page(table: Table, what: str, path: Path) -> None:
     """A row for each angle and side, a column for each order: points are simulated."""
     models = [name for name in values(table, "source") if name != "simulate"]
     rows = [(t, s) for s in values(table, "side") for t in values(table, "theta_i_rad")]
-    figure, axes = panels(len(rows), [1.65] * len(ORDERS), 0.95, (0.4, 0.55))
+    figure, axes = panels(len(rows), [1.58] * len(ORDERS), 0.95, (0.5, 0.55))
     for line, (theta, side) in zip(axes, rows, strict=True):
         for axis, order in zip(line, ORDERS, strict=True):
             part = where(table, theta_i_rad=theta, side=side, order=order)
