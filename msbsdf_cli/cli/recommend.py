@@ -60,7 +60,8 @@ def command(**options: Any) -> None:
     from msbsdf_cli.cli.report import Report
     from msbsdf_cli.experiments.recommend.choice import Wanted
     from msbsdf_cli.experiments.recommend.rendered import picture_errors, scene_of
-    from msbsdf_cli.experiments.recommend.scene_file import SceneFileError, read_scene
+    from msbsdf_cli.experiments.recommend.scene_file import read_scene
+    from msbsdf_cli.experiments.recommend.scene_surface import SceneFileError
     from msbsdf_cli.plots.recommendation import draw_recommendations
     from msbsdf_cli.run.executors import do_all
 

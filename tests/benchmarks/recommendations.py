@@ -18,7 +18,8 @@ from msbsdf_cli.experiments.recommend.candidates import COMPENSATED, Candidate
 from msbsdf_cli.experiments.recommend.cases import ORDERS, scenes
 from msbsdf_cli.experiments.recommend.choice import CLOSE, Recommendation, Wanted, recommend
 from msbsdf_cli.experiments.recommend.light import channels
-from msbsdf_cli.experiments.recommend.scene_file import SceneSurface, surface_of
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
+from msbsdf_cli.experiments.recommend.toml_scene import surface_of
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.run.executors import map_ordered
 from msbsdf_cli.scene import Scene

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import msbsdf_cli as ms
-from msbsdf_cli.experiments.recommend.scene_file import SceneFileError, read_scene
+from msbsdf_cli.experiments.recommend.scene_file import read_scene
+from msbsdf_cli.experiments.recommend.scene_surface import SceneFileError
 from surfaces.materials import Conductor, Dielectric
 
 

@@ -25,7 +25,8 @@ from msbsdf_cli.experiments.recommend.choice import (
 )
 from msbsdf_cli.experiments.recommend.light import channels
 from msbsdf_cli.experiments.recommend.mitsuba_bsdf import Schlick
-from msbsdf_cli.experiments.recommend.scene_file import SceneFileError, SceneSurface, read_scene
+from msbsdf_cli.experiments.recommend.scene_file import read_scene
+from msbsdf_cli.experiments.recommend.scene_surface import SceneFileError, SceneSurface
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.plots.sheet import draw_sheet
 from msbsdf_cli.statistics.colour import albedo_difference

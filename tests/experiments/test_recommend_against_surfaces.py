@@ -6,7 +6,7 @@ import pytest
 import msbsdf_cli as ms
 from msbsdf_cli.experiments.recommend.apart import Place, by_energy, by_lobe
 from msbsdf_cli.experiments.recommend.choice import NEAREST, Wanted, recommend_by_surfaces
-from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
 from msbsdf_cli.statistics.colour import albedo_difference
 from msbsdf_cli.statistics.distances import Histogram
 from surfaces.materials import Conductor, Diffuse

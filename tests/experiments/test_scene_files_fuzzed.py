@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msbsdf_cli.experiments.recommend.scene_file import SceneFileError, read_scene
+from msbsdf_cli.experiments.recommend.scene_file import read_scene
+from msbsdf_cli.experiments.recommend.scene_surface import SceneFileError
 
 SCALARS = st.one_of(
     st.booleans(),

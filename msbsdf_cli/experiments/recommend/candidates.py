@@ -26,7 +26,7 @@ from msbsdf_cli.experiments.recommend.cases import (
     walk_of,
 )
 from msbsdf_cli.experiments.recommend.light import replaced, walked
-from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
 from msbsdf_cli.methods.registry import holds
 from msbsdf_cli.methods.solver.size import energy_seconds
 from msbsdf_cli.smith.albedo import first_order_albedo

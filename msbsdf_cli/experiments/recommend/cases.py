@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from msbsdf_cli.experiments.recommend.apart import Place, over
-from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
 from msbsdf_cli.methods.registry import holds
 from msbsdf_cli.methods.solve import Solve
 from msbsdf_cli.scene import Scene

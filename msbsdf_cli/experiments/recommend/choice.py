@@ -11,7 +11,7 @@ from msbsdf_cli.experiments.recommend.candidates import (
     truncated,
 )
 from msbsdf_cli.experiments.recommend.cases import cases
-from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
 from msbsdf_cli.experiments.recommend.surfaces import against_surfaces
 from msbsdf_cli.methods.protocol import UnsupportedError
 from msbsdf_cli.run.executors import Workers, map_ordered

@@ -3,7 +3,7 @@
 import time
 
 from msbsdf_cli.experiments.recommend.candidates import COMPENSATED, MEMORY, Candidate
-from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.scene import direction
 from msbsdf_cli.smith.walk import random_walk

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from msbsdf_cli.experiments.recommend.mitsuba_names import MEDIA, METALS
-from msbsdf_cli.experiments.recommend.scene_file import THETA, SceneSurface
+from msbsdf_cli.experiments.recommend.scene_surface import THETA, SceneSurface
 from msbsdf_cli.smith.slopes import Slopes, distribution
 from surfaces.facet import Array
 from surfaces.materials import Conductor, Dielectric, Material

@@ -7,7 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from msbsdf_cli.experiments.recommend.mitsuba_bsdf import Entries, LeftOutError, surface
-from msbsdf_cli.experiments.recommend.scene_file import MOST_BYTES, SceneFile, SceneFileError
+from msbsdf_cli.experiments.recommend.scene_surface import MOST_BYTES, SceneFile, SceneFileError
 
 AROUND = ("twosided", "mask", "bumpmap", "normalmap")
 """Plugins that wrap another surface, whose roughness they leave as it is."""

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.experiments.recommend.scene_file import SceneFile, SceneSurface, surface_of
+from msbsdf_cli.experiments.recommend.scene_surface import SceneFile, SceneSurface
+from msbsdf_cli.experiments.recommend.toml_scene import surface_of
 from msbsdf_cli.experiments.render.picture import Picture, Settings, luminance, render
 from msbsdf_cli.experiments.render.scenes import defaults, stage
 from msbsdf_cli.experiments.render.scenes.plate import LEAST

@@ -10,7 +10,7 @@ from scipy.interpolate import RegularGridInterpolator
 from msbsdf_cli.experiments.recommend.apart import CONFIDENCE, Apart, Place
 from msbsdf_cli.experiments.recommend.candidates import COMPENSATED, compensation_apart
 from msbsdf_cli.experiments.recommend.cases import ORDERS, Case, cases
-from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
 from msbsdf_cli.experiments.recommend.surfaces import SLOPES as TRACED
 from msbsdf_cli.experiments.recommend.surfaces import distance
 from msbsdf_cli.methods.registry import holds

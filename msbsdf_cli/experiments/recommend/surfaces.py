@@ -25,7 +25,7 @@ from msbsdf_cli.experiments.recommend.light import (
     traced,
     walked,
 )
-from msbsdf_cli.experiments.recommend.scene_file import SceneSurface
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
 from msbsdf_cli.experiments.resolution import LEAST_REALISATIONS
 from msbsdf_cli.memory.remembered import Remembered
 from msbsdf_cli.methods.protocol import UnsupportedError
