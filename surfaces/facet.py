@@ -36,7 +36,9 @@ def unit_circle(n: int, rng: np.random.Generator, dtype: type = np.float64) -> t
 
 def reflect(d: Array, m: Array) -> Array:
     """Direction of travel after a mirror reflection off a facet of normal `m` (any length)."""
-    return d - (2 * dot(d, m) / dot(m, m)) * m
+    along_m = (2 * dot(d, m) / dot(m, m)) * m
+    reflected: Array = np.subtract(d, along_m, out=along_m)
+    return reflected
 
 
 def fresnel_dielectric(cos_i: Array, eta: Array | float) -> tuple[Array, Array]:

@@ -69,11 +69,11 @@ def meet(surface: Surface, o: Array, d: Array, triangle: Array) -> tuple[Array, 
     Returns points (3, n) within one period, whether the upper side is met (n,), and the slopes
     (2, n) of the planes, in the surface's coordinates.
     """
-    offset, slope_u, slope_v = planes = surface.planes.take(triangle, axis=0).T
+    offset, slope_u, slope_v, _ = planes = surface.planes.take(triangle, axis=0).T
     approach = d[2] - slope_u * d[0] - slope_v * d[1]
     with np.errstate(divide="ignore", invalid="ignore"):
         distance = (offset + slope_u * o[0] + slope_v * o[1] - o[2]) / approach
         point = o + distance * d
     # The rest of a division by floor costs a fifth of the modulo's.
     point[:2] -= surface.period * np.floor(point[:2] * (1 / surface.period))
-    return point, approach < 0, planes[1:]
+    return point, approach < 0, planes[1:3]

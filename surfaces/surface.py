@@ -78,13 +78,14 @@ class Surface:
 
     @cached_property
     def planes(self) -> Array:
-        """Planes (triangles, 3) of the triangles: z = plane[0] + plane[1] u + plane[2] v."""
+        """Planes (triangles, 4) of the triangles: z = plane[0] + plane[1] u + plane[2] v. A fourth
+        number, 0, makes rows of 32 bytes, which are taken twice as fast."""
         h = self._grid
         rows, columns = h.shape[0] - 1, h.shape[1] - 1
         along_u, along_v = np.diff(h, axis=0), np.diff(h, axis=1)
         left, right = along_v[:-1], along_v[1:]
         # One array for each number of a plane first: what lies together is written fast.
-        offset, slope_u, slope_v = parts = np.empty((3, 2, rows, columns))
+        offset, slope_u, slope_v, _ = parts = np.zeros((4, 2, rows, columns))
         slope_u[0], slope_u[1] = along_u[:, :-1], along_u[:, 1:]
         slope_v[0], slope_v[1] = right, left
         for odd in (np.s_[::2, 1::2], np.s_[1::2, ::2]):
@@ -94,14 +95,14 @@ class Surface:
         v = np.arange(columns) - float(MARGIN)
         offset[0] = h[1:, :-1] - slope_u[0] * (u + 1) - slope_v[0] * v
         offset[1] = h[:-1, 1:] - slope_u[1] * u - slope_v[1] * (v + 1)
-        return np.ascontiguousarray(parts.reshape(3, 2, -1).transpose(2, 1, 0)).reshape(-1, 3)
+        return np.ascontiguousarray(parts.reshape(4, 2, -1).transpose(2, 1, 0)).reshape(-1, 4)
 
     def slopes(self, every: int) -> Array:
         """Slopes (2, n), per cell, of one triangle in every so many cells of a period, each way."""
         nu, nv = self.heights.shape
-        cells = self.planes.reshape(nu + 2 * MARGIN, nv + 2 * MARGIN, 2, 3)
+        cells = self.planes.reshape(nu + 2 * MARGIN, nv + 2 * MARGIN, 2, 4)
         cells = cells[MARGIN : MARGIN + nu, MARGIN : MARGIN + nv]
-        return np.ascontiguousarray(cells[::every, ::every, 0, 1:].reshape(-1, 2).T)
+        return np.ascontiguousarray(cells[::every, ::every, 0, 1:3].reshape(-1, 2).T)
 
     def triangles(self, chosen: Array) -> tuple[Array, Array]:
         """Corners (corner, xyz, n) and planes (3, n) of the triangles of these numbers (n,)."""
@@ -109,7 +110,7 @@ class Surface:
         vertex = corner_vertices(chosen, columns)
         u, v = np.divmod(vertex, columns)
         corners = np.stack([u - MARGIN, v - MARGIN, self._grid.ravel()[vertex]])
-        planes = self.planes[chosen].T
+        planes = self.planes.take(chosen, axis=0).T[:3]
         return np.ascontiguousarray(corners.transpose(2, 0, 1)), np.ascontiguousarray(planes)
 
     def _within_period(self, cells: Array) -> Array:

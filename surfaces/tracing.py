@@ -84,8 +84,9 @@ class Tracer:
         directions = -(self.views.to_mesh @ wi).T
         o[2] = self.surface.top
         if self.number > 1:
-            view, place = np.divmod(place * self.number, 1)
-            view = view.astype(np.int8)
+            place = place * self.number
+            view = place.astype(np.int8)
+            place -= view
             o[2, upside_down(view)] = self.surface.bottom
         o[:2] = morton((piece[0] + place) / piece[1]) * self.surface.period
         rays = Rays(o, directions.take(np.zeros(n, int) if view is None else view, axis=1), view)
@@ -159,13 +160,16 @@ def morton(curve: Array) -> Array:
 
 
 def _every_other_bit(code: Array) -> Array:
+    code = code & np.uint64(0x5555555555555555)
+    moved = np.empty_like(code)
     for shift, mask in (
-        (0, 0x5555555555555555),
         (1, 0x3333333333333333),
         (2, 0x0F0F0F0F0F0F0F0F),
         (4, 0x00FF00FF00FF00FF),
         (8, 0x0000FFFF0000FFFF),
         (16, 0x00000000FFFFFFFF),
     ):
-        code = (code | (code >> np.uint64(shift))) & np.uint64(mask)
+        np.right_shift(code, np.uint64(shift), out=moved)
+        code |= moved
+        code &= np.uint64(mask)
     return code.astype(np.float64)

@@ -22,7 +22,7 @@ CHEAP = tuple(name for name, figure in FIGURES.items() if figure.cheap)
     metavar="[NAME...]",
 )
 @click.option("--list", is_flag=True, help="Which figure is which, and what it shows.")
-@click.option("--all", is_flag=True, help="All of them, which takes half an hour.")
+@click.option("--all", is_flag=True, help="All of them, which takes a quarter of an hour.")
 @click.option("--quick", is_flag=True, help="Drafts; of all, where no NAME is given.")
 @click.option(
     "--gallery",

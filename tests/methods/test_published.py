@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy import stats
 from scipy.special import erf
-from spheres import direction
+from spheres import direction, hemisphere
 
 from msbsdf_cli.methods.published import areas, visible_slopes
 from msbsdf_cli.methods.published.heights import HEIGHTS, next_height
@@ -202,6 +202,10 @@ def test_what_is_not_finite_is_counted():
     assert method.hidden > 0
     assert np.isfinite(w).all()
     assert (weight == 1).all()
+    diffuse = Published(Beckmann(0.5, 0.5), Diffuse(), 2)
+    found = diffuse.evaluate(direction(1.0), hemisphere(4)[0], 200, Ends())
+    assert diffuse.hidden > 0
+    assert np.isfinite(found.value).all()
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")

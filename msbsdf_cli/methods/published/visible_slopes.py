@@ -67,7 +67,8 @@ def visible_normals(slopes: Slopes, wi: Array, rng: np.random.Generator) -> tupl
     if bad.any():
         up = wi[2] > 0
         level = np.stack([wi[0], wi[1], 0 * wi[2]])
-        zenith = np.array([[0], [0], [1]], wi.dtype)
+        zenith = np.zeros_like(level)
+        zenith[2] = 1
         m = np.where(bad, np.where(up, zenith, level), m)
     with np.errstate(all="ignore"):
         return m / np.sqrt((m * m).sum(axis=0)), int(bad.sum())
