@@ -147,12 +147,16 @@ def method_warnings(scenes: list[Scene], methods: tuple[str, ...]) -> list[str]:
     return facets + [text for scene in scenes for text in solve_warnings(scene, methods)]
 
 
-def not_remembered(options: dict[str, Any]) -> list[str]:
-    """A sentence on --autocorrelation where no method remembers surfaces."""
+def remember(methods: tuple[str, ...]) -> bool:
+    """Whether any of the methods remembers surfaces."""
     from msbsdf_cli.methods.registry import METHODS
 
-    remember = any(METHODS[name].traits.model == "memory" for name in options["method"])
-    if remember or options["autocorrelation"] == "gaussian":
+    return any(METHODS[name].traits.model == "memory" for name in methods)
+
+
+def not_remembered(options: dict[str, Any]) -> list[str]:
+    """A sentence on --autocorrelation where no method remembers surfaces."""
+    if remember(options["method"]) or options["autocorrelation"] == "gaussian":
         return []
     return ["--autocorrelation has no effect: it is for the method walk-memory."]
 

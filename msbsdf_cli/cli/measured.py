@@ -69,10 +69,11 @@ class Settings:
             return self._on_file(options, seed)
         if self.command == "walk":
             return Alone(_walks(options, seed, options["samples"], False))
-        if self.command == "evaluate":
-            return Alone(_values(options, seed))
-        if self.command == "furnace":
-            return Alone(_albedos(options, seed))
+        if self.command in ("evaluate", "furnace"):
+            case = (_values if self.command == "evaluate" else _albedos)(options, seed)
+            told = common.not_remembered(options | {"method": case.methods})
+            self.notes |= dict.fromkeys(told)
+            return Alone(case)
         if self.command == "simulate":
             return Alone(self._surfaces(options, seed, False))
         return self._pair(options, seed)
@@ -202,14 +203,21 @@ def _walks(
     )
 
 
+def _of_no_use(options: Options, methods: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of options that make no difference to these methods."""
+    used = common.remember(methods) and options["autocorrelation"] != "gaussian"
+    return () if used else ("autocorrelation",)
+
+
 def _values(options: Options, seed: int) -> ValueCase:
     scene = common.scene_from(options)
+    methods = common.methods_for(scene, options["method"])
     return ValueCase(
         scene,
-        common.methods_for(scene, options["method"]),
+        methods,
         slice_directions(scene, options["phi_o"], options["points"]),
         options["samples"],
-        seed_of(seed, _identity(options)),
+        seed_of(seed, _identity(options, *_of_no_use(options, methods))),
         options["precision"],
         options["bidirectional"],
         options["autocorrelation"],
@@ -218,12 +226,13 @@ def _values(options: Options, seed: int) -> ValueCase:
 
 def _albedos(options: Options, seed: int) -> AlbedoCase:
     scene = common.scene_from(options)
+    methods = common.methods_for(scene, options["method"])
     return AlbedoCase(
         scene,
-        common.methods_for(scene, options["method"]),
+        methods,
         options["samples"],
         # Of all angles: they are measured together.
-        seed_of(seed, _identity(options, "theta")),
+        seed_of(seed, _identity(options, "theta", *_of_no_use(options, methods))),
         options["accuracy"],
         options["autocorrelation"],
     )

@@ -83,8 +83,9 @@ def command(**options: Any) -> None:
     work = f"{options['replicates']} runs of {len(options['method'])} methods, timed on one core"
     report.warn(common.long_warnings(options, work_s(options), work))
     settings = settings_from(scene, options)
-    if options["surfaces"] and settings.resolution is None:
-        report.warn([NO_SURFACES])
+    if settings.resolution is None:
+        report.warn([NO_SURFACES] if options["surfaces"] else [])
+        report.warn(common.not_remembered(options))
     with report.draft() as draft:
         result = study(scene, settings)
         report.warn(result.warnings)

@@ -37,7 +37,7 @@ class Row:
     memory: float
     memory_2: float
     stderr: float
-    """Of each, from the noise of the simulation, which is common to all."""
+    """Of each, from what the simulation does not know, which is common to all."""
     cpu_smith_s: float
     cpu_memory_s: float
     cpu_memory_2_s: float

@@ -72,8 +72,8 @@ class SurfaceResult:
     free_path_weights: Array
     free_path_rays: int
     """Free paths of each row."""
-    coarser_free_paths: Array | None
-    """Those on a mesh of half the cells, if light was traced there too."""
+    coarser_free_paths: tuple[Array, Array] | None
+    """Shares and weights on a mesh of half the cells, if light was traced there too."""
     rays: int
     """Rays asked of Embree for the incident light."""
     embree_s: float
@@ -85,7 +85,7 @@ class SurfaceResult:
     free_paths_lost: int
 
     @property
-    def paths(self) -> tuple[Array, Array, int, Array | None]:
+    def paths(self) -> tuple[Array, Array, int, tuple[Array, Array] | None]:
         """A unit for `FreePaths.add_unit`."""
         shares = self.free_paths, self.free_path_weights
         return *shares, self.free_path_rays, self.coarser_free_paths
@@ -214,9 +214,7 @@ def trace_surface(job: SurfaceJob, fields: Meshes | None = None) -> SurfaceResul
     on_half = None
     if job.on_all_meshes:
         _add_coarser(job, fields, light, [unit for unit, _ in units])
-        half = fields.surface(meshes(job.resolution.cells, job.resolution.extent)[0])
-        on_half, _, lost_there = _free_paths(job, _tracer(job, half), n)
-        lost += lost_there
+        on_half = _free_paths_on_half(job, fields, n)
     seconds = ready - started, traced - ready, time.perf_counter() - coarser
     return SurfaceResult(light, shares, weights, n, on_half, rays, embree_s, *seconds, lost)
 
@@ -259,6 +257,15 @@ def _add_coarser(
         coarser.append(_units(job, _tracer(job, fields.surface(some)), (_shared_rays(job),)))
     for mine, unit, (middle,), (coarse,) in zip(light, fine, *coarser, strict=True):
         mine.more, mine.doubt = extrapolated((cells, *fewer), unit, middle, coarse)
+
+
+def _free_paths_on_half(job: SurfaceJob, fields: Meshes, n: int) -> tuple[Array, Array] | None:
+    """Shares and weights on a mesh of half the cells; None where none is coarser."""
+    half, _ = meshes(job.resolution.cells, job.resolution.extent)
+    if half == job.resolution.cells:
+        return None
+    shares, weights, _ = _free_paths(job, _tracer(job, fields.surface(half)), n)
+    return shares, weights
 
 
 def _free_paths(job: SurfaceJob, tracer: Tracer, n: int) -> tuple[Array, Array, int]:

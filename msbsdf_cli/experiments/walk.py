@@ -59,6 +59,7 @@ def remembered_surface(slopes: Slopes, memory: int, autocorrelation: str) -> Rem
         raise ValueError(
             f"memory is {memory}: 0, 1 for the last facet, or 2 for the heights passed since, too."
         )
+    heights = spectrum(autocorrelation)
     if memory == 0:
         return None
     if slopes.name != "beckmann":
@@ -66,7 +67,7 @@ def remembered_surface(slopes: Slopes, memory: int, autocorrelation: str) -> Rem
             f"the slopes are {slopes.name}: a walk remembers facets of Gaussian surfaces, whose "
             "slopes are beckmann."
         )
-    return Remembered(spectrum(autocorrelation), memory)
+    return Remembered(heights, memory)
 
 
 def run_walks(job: WalkJob) -> tuple[int, Tally]:

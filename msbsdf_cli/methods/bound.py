@@ -9,6 +9,7 @@ from msbsdf_cli.methods.protocol import Evaluation, Method
 from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.model import Smith
 from surfaces.facet import Array
+from surfaces.spectrum import spectrum
 from surfaces.streams import stream
 
 
@@ -62,6 +63,7 @@ def method(name: str, model: Smith, orders: int = 4, autocorrelation: str = "gau
     ValueError for a name that is none.
     """
     one_of(name, METHODS, "a method")
+    spectrum(autocorrelation)
     orders = count(orders, "orders")
     made = METHODS[name].on(model.slopes, model.material, orders, autocorrelation)
     return Bsdf(name, model, orders, made)

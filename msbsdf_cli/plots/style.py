@@ -102,7 +102,7 @@ def look(name: str) -> dict[str, Any]:
 def short_ticks(axis: Any) -> None:
     """Few numbers up the axis, as short as can be: none reaches into the panel to its left."""
     axis.yaxis.set_major_locator(MaxNLocator(4))
-    axis.yaxis.set_major_formatter(lambda x, _: re.sub(r"^(-?)0\.", r"\1.", f"{x:.3g}"))
+    axis.yaxis.set_major_formatter(lambda x, _: re.sub(r"^(-?)0\.", r"\1.", f"{x:g}"))
 
 
 def method_lines(names: Iterable[str]) -> list[Line2D]:

@@ -42,11 +42,11 @@ class FreePaths:
         return FreePaths(self.theta, self.starts, self.edges)
 
     def add_unit(
-        self, share: Array, weight: Array, rays: int, coarser: Array | None = None
+        self, share: Array, weight: Array, rays: int, coarser: tuple[Array, Array] | None = None
     ) -> None:
         """Take in one unit: shares (theta, starts, bins + 1) of `rays` rays a row, and weights
         (theta, starts), in proportion to the points that the rays stand for; 0 where none; and
-        `coarser`, the shares on a mesh of half the cells, where they are known."""
+        `coarser`, both on a mesh of half the cells, where they are known."""
         w = weight[..., None]
         self.sums += w * share, w**2 * share, w**2 * share**2
         self.weights += weight, weight**2
@@ -54,7 +54,7 @@ class FreePaths:
         self.rays += rays
         if coarser is not None:
             self.moved = self.moved or self.empty()
-            self.moved.add_unit(share - coarser, weight, rays)
+            self.moved.add_unit(share - coarser[0], np.where(coarser[1] > 0, weight, 0), rays)
 
     def estimate(self) -> Estimate:
         """Probabilities (theta, starts, bins + 1) and standard errors, those of a ratio of means
@@ -69,12 +69,20 @@ class FreePaths:
         return Estimate(mean, np.where(units > 1, np.sqrt(square), np.nan))
 
     def _of_mesh(self) -> Array | float:
-        """Squares of the errors that the mesh makes. They fall in proportion to its cells, or
-        faster: so it is off by what it has more than one of half the cells, at most."""
+        """Squares of the errors that the mesh makes. They fall with the width of a cell, or faster:
+        so it is off by about as much as it differs from a mesh of half as many cells. What is met
+        too early is missing in the next bin, and next to the start a coarse mesh can do no worse
+        than to meet all there: of neighbouring bins the largest step counts for each."""
         if self.moved is None or self.moved.rays == 0:
             return 0.0
-        step = self.moved.estimate()
-        return np.maximum(np.nan_to_num(step.value) ** 2 - np.nan_to_num(step.stderr) ** 2, 0)
+        # With its noise, which is no error of the mesh, but hides what may be one.
+        square = np.nan_to_num(self.moved.estimate().value) ** 2
+        largest = square.copy()
+        # The last of the bins is for those that escape, and has no neighbour.
+        bins, near = square[..., :-1], largest[..., :-1]
+        np.maximum(near[..., 1:], bins[..., :-1], out=near[..., 1:])
+        np.maximum(near[..., :-1], bins[..., 1:], out=near[..., :-1])
+        return np.where(self.sums[0] > 0, largest, square)
 
     def rows(self) -> dict[tuple[float, float], Estimate]:
         """Probabilities (bins + 1,) by direction and height of start, where two units or more had

@@ -19,12 +19,16 @@ NAMES = tuple(
 GAUSSIAN = Gaussian()
 
 
-@cache
 def spectrum(text: str) -> Spectrum:
     """A spectrum by name and parameter. Raises ValueError for what is none."""
-    name, colon, value = text.partition(":")
-    if name not in NAMES:
+    if not isinstance(text, str) or text.partition(":")[0] not in NAMES:
         raise ValueError(f"{text!r} is not an autocorrelation: one of {', '.join(NAMES)}.")
+    return _named(text)
+
+
+@cache
+def _named(text: str) -> Spectrum:
+    name, colon, value = text.partition(":")
     module = import_module(f"{__name__}.{name.replace('-', '_')}")
     kind = getattr(module, "".join(map(str.capitalize, name.split("-"))))
     # Fields without a default are told after the colon.

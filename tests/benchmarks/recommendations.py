@@ -78,7 +78,7 @@ class Walked(NamedTuple):
     @property
     def stderr(self) -> float:
         """Of a share of the light, at most."""
-        return 0.5 / math.sqrt(2 * WALKS * self.energy.sum(axis=(0, 2)).min() / 2)
+        return 0.5 / math.sqrt(WALKS * self.energy.mean(axis=0).sum(axis=1).min())
 
 
 def walked(scene: Scene, theta: float, rng: np.random.Generator) -> Walked:

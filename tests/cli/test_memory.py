@@ -105,10 +105,20 @@ def test_a_report_of_surfaces_says_what_methods_remember(tmp_path, asked):
     assert asked == {"exponential"}
 
 
-def test_an_autocorrelation_that_nothing_remembers_is_told(tmp_path):
+@pytest.mark.parametrize("command", ["evaluate", "furnace", "sweep evaluate", "sweep furnace"])
+def test_an_autocorrelation_that_nothing_remembers_is_told(command, tmp_path):
     words = [*FEW, "--method", "single", "--autocorrelation", "exponential"]
-    result = msbsdf("evaluate", *words, "--out", tmp_path / "e")
+    result = msbsdf(*command.split(), *words, "--out", tmp_path / "e")
     assert "--autocorrelation has no effect" in result.stderr
+
+
+def test_what_remembers_nothing_is_the_same_numbers_on_any_surface(tmp_path):
+    found = []
+    for kind in "gaussian", "exponential":
+        words = [*FEW, "--points", "8", "--method", "walk", "--autocorrelation", kind]
+        assert msbsdf("sweep", "evaluate", *words, "--out", tmp_path / kind).returncode == 0
+        found.append(table(tmp_path / kind / "sweep.csv"))
+    assert found[0] == found[1]
 
 
 @pytest.mark.parametrize(

@@ -228,8 +228,14 @@ def test_other_slopes_and_numbers_are_refused():
         ms.method("walk-memory", ms.Smith(Ggx(1, 1), Conductor()))
     with pytest.raises(ValueError, match="beckmann"):
         ms.walk(ms.Smith(Ggx(1, 1), Conductor()), direction(1.0), samples=2, memory=1)
+    mirror = ms.Smith(Beckmann(1, 1), Conductor())
     with pytest.raises(ValueError, match="memory is 3"):
-        ms.walk(ms.Smith(Beckmann(1, 1), Conductor()), direction(1.0), samples=2, memory=3)
+        ms.walk(mirror, direction(1.0), samples=2, memory=3)
+    for name in "nonsense", 3, None:
+        with pytest.raises(ValueError, match="not an autocorrelation"):
+            ms.method("single", mirror, autocorrelation=name)
+        with pytest.raises(ValueError, match="not an autocorrelation"):
+            ms.walk(mirror, direction(1.0), samples=2, autocorrelation=name)
 
 
 def test_jobs_are_repeated_exactly():

@@ -53,13 +53,32 @@ def test_of_two_batches_of_an_identity():
 
 
 def test_free_paths_state_what_half_the_cells_would_have_more():
-    """A step of .1 on surfaces that agree is all error; one that scatters as much is noise."""
-    for scatter, expected in ((0.0, 0.1), (0.3, 0.0)):
+    """A step of .1 in the mean of two surfaces, whatever it is on each."""
+    for scatter in 0.0, 0.3:
         paths = FreePaths((1.0,), (0.0,), np.array([0.0, 1.0]))
         for sign in 1, -1:
-            coarser = np.full((1, 1, 2), 0.4 + sign * scatter)
+            coarser = np.full((1, 1, 2), 0.4 + sign * scatter), np.ones((1, 1))
             paths.add_unit(np.full((1, 1, 2), 0.5), np.ones((1, 1)), 10**6, coarser)
         merged = paths.empty()
         merged.merge(paths)
         for found in paths, merged:
-            np.testing.assert_allclose(found.estimate().stderr, expected, atol=2e-6)
+            np.testing.assert_allclose(found.estimate().stderr, 0.1, atol=2e-6)
+
+
+def test_a_unit_without_points_on_half_the_cells_says_nothing_of_the_mesh():
+    paths = FreePaths((1.0,), (0.0,), np.array([0.0, 1.0]))
+    one, half = np.ones((1, 1)), np.full((1, 1, 2), 0.5)
+    for coarser in (half, one), (half, one), (0 * half, 0 * one):
+        paths.add_unit(half, one, 10**6, coarser)
+    np.testing.assert_allclose(paths.estimate().stderr, 0, atol=2e-6)
+
+
+def test_of_neighbouring_bins_the_largest_step_counts():
+    """But for bins that are empty, and for the last, of what escapes."""
+    share = np.array([[[0.0, 0.2, 0.2, 0.2, 0.4]]])
+    step = np.array([[[0.0, 0.1, 0.0, 0.0, 0.3]]])
+    paths = FreePaths((1.0,), (0.0,), np.arange(5.0))
+    for _ in range(2):
+        paths.add_unit(share, np.ones((1, 1)), 10**6, (share - step, np.ones((1, 1))))
+    expected = [0, 0.1, 0.1, 0, 0.3]
+    np.testing.assert_allclose(paths.estimate().stderr[0, 0], expected, atol=2e-6)

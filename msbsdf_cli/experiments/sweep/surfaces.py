@@ -122,8 +122,9 @@ class SurfaceCase:
         groups = None
         if self.directions:
             restore_free_paths(sums.paths, state)
-            sums.paths.moved = sums.paths.empty()
-            restore_free_paths(sums.paths.moved, state, MOVED)
+            if f"{MOVED}free_path_sums" in state:
+                sums.paths.moved = sums.paths.empty()
+                restore_free_paths(sums.paths.moved, state, MOVED)
             sums.groups.sums, sums.groups.units = state["group_sums"], state["group_units"]
             groups = sums.groups.lobes()
         return Run("simulate", self.scene, [sums.tally], sums.paths, "gaussian", groups)
