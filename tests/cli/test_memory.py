@@ -86,13 +86,13 @@ def asked(monkeypatch):
     return found
 
 
-@pytest.mark.parametrize("command", ["evaluate", "furnace", "compare", "tradeoff"])
-@pytest.mark.parametrize("sweep", [False, True], ids=["alone", "sweep"])
-def test_methods_remember_the_surface_that_is_meant(command, sweep, tmp_path, asked):
-    if command == "tradeoff" and sweep:
-        pytest.skip("a chart is of one scene")
-    more = COARSE if command in ("compare", "tradeoff") else []
-    words = [*(["sweep"] if sweep else []), command, *FEW, *more, "--method", "walk-memory"]
+SWEPT = "evaluate", "furnace", "compare"
+
+
+@pytest.mark.parametrize("command", [*SWEPT, "tradeoff", *(f"sweep {name}" for name in SWEPT)])
+def test_methods_remember_the_surface_that_is_meant(command, tmp_path, asked):
+    more = [] if command.endswith(("evaluate", "furnace")) else COARSE
+    words = [*command.split(), *FEW, *more, "--method", "walk-memory"]
     result = msbsdf(*words, "--autocorrelation", "exponential", "--out", tmp_path / "r")
     assert "no effect" not in result.stderr
     assert asked == {"exponential"}
