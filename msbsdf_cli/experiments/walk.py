@@ -59,7 +59,6 @@ def remembered_surface(slopes: Slopes, memory: int, autocorrelation: str) -> Rem
         raise ValueError(
             f"memory is {memory}: 0, 1 for the last facet, or 2 for the heights passed since, too."
         )
-    heights = spectrum(autocorrelation)
     if memory == 0:
         return None
     if slopes.name != "beckmann":
@@ -67,7 +66,7 @@ def remembered_surface(slopes: Slopes, memory: int, autocorrelation: str) -> Rem
             f"the slopes are {slopes.name}: a walk remembers facets of Gaussian surfaces, whose "
             "slopes are beckmann."
         )
-    return Remembered(heights, memory)
+    return Remembered(spectrum(autocorrelation), memory)
 
 
 def run_walks(job: WalkJob) -> tuple[int, Tally]:
@@ -118,6 +117,7 @@ def walk(
     wi = direction_in(wi).astype(np.dtype(precision))
     samples, orders = count(samples, "samples"), count(orders, "orders")
     seed, max_order = count(seed, "seed", 0), count(max_order, "max_order")
+    spectrum(autocorrelation)
     remembered = remembered_surface(model.slopes, memory, autocorrelation)
     total = Tally(orders)
     parts = jobs(model, wi, samples, orders, seed, max_order, memory=remembered)
