@@ -3,10 +3,8 @@
 import json
 import math
 import shutil
-import signal
 import subprocess
 import sys
-import time
 from functools import cache
 
 import pytest
@@ -175,22 +173,6 @@ def test_a_directory_of_other_files_is_left_alone(tmp_path):
     (tmp_path / "thesis.tex").write_text("years of work")
     refused(*QUICK["walk"], "--out", tmp_path, "--force")
     assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
-
-
-def test_interrupted_runs_leave_nothing(tmp_path):
-    out = tmp_path / "report"
-    process = subprocess.Popen(
-        [sys.executable, "-c", RUN, "walk", "--samples", "1e11", "--out", str(out)],
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    time.sleep(2)
-    process.send_signal(signal.SIGINT)
-    _, stderr = process.communicate(timeout=20)
-    assert process.returncode != 0
-    assert "Traceback" not in stderr
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_takes_long_is_said_beforehand(tmp_path):
