@@ -26,7 +26,7 @@ CURVED = 2.5
 """Deviations of curvature by which the surface may yet bend up more than the facet does."""
 
 TOP = 7.5
-"""Height above which nothing is met, 3e-14 of the time."""
+"""Height above which rays that climb meet nothing, but 3e-14 of the time."""
 
 LEVEL = 1e-9
 """Slope in standard deviations of a ray that is as good as level."""
@@ -124,7 +124,8 @@ def _step(
     level = rays.facet[1] + c * x
     step, half = x - rays.x, x.dtype.type(0.5)
     total = rays.below - after.below + step * (rays.down + after.down) * half
-    on, hits, out = _go(rays, x, after, total, (x >= correlation.x[-1]) | (level > TOP))
+    away = (level > TOP) & (c > 0)
+    on, hits, out = _go(rays, x, after, total, (x >= correlation.x[-1]) | away)
     hits.place = correlation.index(hits.place)
     return on, hits, out
 
@@ -142,7 +143,7 @@ def _far_step(
     after = hazard.far(correlation, level, climb)
     after = _informed(way_in, rays, x, after, None)
     total = (after.below - rays.below) * normal.excess(climb) / climb
-    on, hits, out = _go(rays, x, after, total, level > TOP)
+    on, hits, out = _go(rays, x, after, total, (level > TOP) & (climb > 0))
     hits.place = np.full(hits.slot.size, NOWHERE)
     return on, hits, out
 

@@ -29,7 +29,7 @@ BETWEEN = 5
 """Places at which the surface is looked at in a step, the last of them the next height."""
 
 TOP = 6.0
-"""Height above which nothing is met, 1e-9 of the time."""
+"""Height above which rays that climb meet nothing, but 1e-9 of the time."""
 
 LEVEL = 1e-3
 """Slope of a ray that is as good as level."""
@@ -148,7 +148,7 @@ def draw(found: Profile, facet: Array, rng: np.random.Generator) -> Crossings:
         if some.size:
             rays = [a.take(some, axis=-1) for a in (known, start[0], delta, climb, above)]
             met.append(Crossings(lanes.take(some), *_crossings(found, j, rng, *rays)))
-        on = np.flatnonzero(~hit & (start[0] + climb * x[-1] < TOP))
+        on = np.flatnonzero(~hit & ((climb < 0) | (start[0] + climb * x[-1] < TOP)))
         passed = known[4:]
         if on.size < lanes.size:
             lanes, climb, delta = lanes.take(on), climb.take(on), delta.take(on)
