@@ -3,8 +3,8 @@ memory, held against one simulation.
 
 `wrong_order` is the share of the light that a model puts into the wrong order or on the wrong side,
 half the sum of absolute differences; `total_variation` that in bins of directions and
-`free_path_ks` the distance between free paths, both as they would be without noise
-(`experiments.compare`)."""
+`free_path_ks` the distance between free paths; all as they would be without noise
+(`statistics.distances`)."""
 
 import time
 from dataclasses import dataclass
@@ -19,6 +19,7 @@ from msbsdf_cli.memory.next_facet import Memory
 from msbsdf_cli.memory.remembered import MOST, Remembered
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.run import Run
+from msbsdf_cli.statistics.distances import Histogram, total_variation
 from surfaces.spectrum import Spectrum
 
 
@@ -85,11 +86,18 @@ def _orders(run: Run, models: list[_Modelled]) -> list[Row]:
             [d for d in m.differences if d.quantity == "energy" and d.theta_i_rad == theta]
             for m in models
         ]
-        wrong = [sum(abs(d.difference) for d in each) / 2 for each in mine]
+        wrong = [max(total_variation(*_histograms(each)).own, 0) for each in mine]
         # Differences sum to nothing, and errors of orders are of either sign.
         error = float(np.sqrt(sum(d.noise**2 for d in mine[1])) / 2)
         found.append(_row(run, models, ("wrong_order", theta, ""), wrong, error))
     return found
+
+
+def _histograms(orders: list[Difference]) -> tuple[Histogram, Histogram]:
+    """Energies of all orders and sides, modelled and simulated."""
+    modelled = [(d.modelled, d.modelled_stderr) for d in orders]
+    simulated = [(d.simulated, d.simulated_stderr) for d in orders]
+    return Histogram(*np.array(modelled).T), Histogram(*np.array(simulated).T)
 
 
 def _distances(run: Run, models: list[_Modelled]) -> list[Row]:
