@@ -167,17 +167,20 @@ def _run(about: dict[str, Any], arrays: dict[str, Array]) -> Run:
     paths = FreePaths(
         tuple(about["free_path_theta"]), tuple(about["free_path_starts"]), arrays["free_path_edges"]
     )
-    for name in FREE_PATH[1:]:
-        getattr(paths, name)[:] = arrays[f"free_path_{name}"]
-    paths.rays = int(about["rays"])
+    _restore(paths, arrays, "free_path_", about["rays"])
     if "rays_moved" in about:
         paths.moved = paths.empty()
-        for name in FREE_PATH[1:]:
-            getattr(paths.moved, name)[:] = arrays[f"moved_{name}"]
-        paths.moved.rays = int(about["rays_moved"])
+        _restore(paths.moved, arrays, "moved_", about["rays_moved"])
     light = about["kind"], scene, tallies, paths, about["heights"], arrays.get("lobe_groups")
     how = about["wall_s"], about["notes"], arrays.get("group_units"), about.get("memory", 0)
     return Run(*light, *how)
+
+
+def _restore(paths: FreePaths, arrays: dict[str, Array], start: str, rays: int) -> None:
+    """Put sums whose names have that start into empty free paths."""
+    for name in FREE_PATH[1:]:
+        getattr(paths, name)[:] = arrays[f"{start}{name}"]
+    paths.rays = int(rays)
 
 
 def _tally(orders: int, angle: int, about: dict[str, Any], arrays: dict[str, Array]) -> Tally:
