@@ -7,6 +7,7 @@ import numpy as np
 from msbsdf_cli.experiments.random_surfaces import Resolution
 from msbsdf_cli.experiments.realisations import simulate
 from msbsdf_cli.results.free_paths import FreePaths
+from msbsdf_cli.results.run import load_run
 from msbsdf_cli.scene import Scene
 from msbsdf_cli.smith.heights import HEIGHTS
 from msbsdf_cli.smith.slopes import Beckmann
@@ -15,12 +16,17 @@ from surfaces.materials import Conductor
 EDGES = HEIGHTS["gaussian"].edges
 
 
-def run(resolution, rays, seed, alpha=1.0, theta=0.0, path=(1.0, -1.0)):
-    """Tally of one incident angle, and free paths in a direction and from a height."""
+def outcome(resolution, rays, seed, alpha=1.0, theta=0.0, path=(1.0, -1.0)):
+    """A run of one incident angle, with free paths in one direction from one height."""
     scene = Scene(Conductor(), Beckmann(alpha, alpha), (theta,), 0.3)
     paths = FreePaths(path[:1], path[1:], EDGES)
-    outcome = simulate(scene, rays, resolution, paths, seed, 1, 1000, True)
-    return outcome.tallies[0], outcome.free_paths
+    return simulate(scene, rays, resolution, paths, seed, 1, 1000, True)
+
+
+def run(*words, **options):
+    """Its tally and its free paths."""
+    found = outcome(*words, **options)
+    return found.tallies[0], found.free_paths
 
 
 def alone(paths):
@@ -73,6 +79,15 @@ def test_stated_errors_of_free_paths_cover_what_facets_do():
     apart = value - fine.estimate().value[nearby]
     assert 0 < apart < 2 * stderr
     assert apart > 3 * alone(coarse).estimate().stderr[nearby], "noise alone would not cover it"
+
+
+def test_a_run_that_was_saved_knows_its_mesh(tmp_path):
+    found = outcome(Resolution(4, 6, 4), 4000, 0)
+    found.save(tmp_path / "sums.npz")
+    again = load_run(tmp_path / "sums.npz").free_paths
+    stderr = found.free_paths.estimate().stderr
+    np.testing.assert_array_equal(again.estimate().stderr, stderr)
+    assert (stderr > alone(again).estimate().stderr).any()
 
 
 def test_the_error_of_the_mesh_falls_with_its_cells():
