@@ -28,6 +28,9 @@ class Batch:
 
     def blocks(self, length: int) -> Iterator[Self]:
         """Runs of at most `length` paths."""
+        if 0 < self.size <= length:
+            yield self
+            return
         for start in range(0, self.size, length):
             part = slice(start, start + length)
             yield self.each(lambda a, part=part: a[..., part])  # type: ignore[misc]
@@ -38,6 +41,8 @@ B = TypeVar("B", bound="Batch")
 
 def concatenate(parts: list[B]) -> B:
     """All the paths of several batches, at least one."""
+    if len(parts) == 1:
+        return parts[0]
     columns: dict[str, Any] = {
         name: None if first is None else np.concatenate([vars(p)[name] for p in parts], axis=-1)
         for name, first in vars(parts[0]).items()

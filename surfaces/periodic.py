@@ -26,19 +26,15 @@ def next_triangle(surface: Surface, o: Array, d: Array, inside: Array | None) ->
     for _ in range(MAX_PERIODS):
         if seeking.size == 0:
             return triangle
-        start, along = o.take(seeking, axis=1), d.take(seeking, axis=1)
-        rim, to_rim, height = _rim(surface, start, along)
-        above, under = height >= surface.top, height < surface.bottom
+        along = d.take(seeking, axis=1)
+        start = _at_the_rim(surface, o.take(seeking, axis=1), along)
+        above, under = start[2] >= surface.top, start[2] < surface.bottom
         sky = above if inside is None else above ^ inside.take(seeking)
         triangle[seeking] = AWAY.take(sky)
         on = np.flatnonzero(~(above | under))
-        seeking = seeking.take(on)
+        if on.size < seeking.size:
+            seeking, start, along = (a.take(on, axis=-1) for a in (seeking, start, along))
         if seeking.size:
-            start, along, rim, to_rim = (a.take(on, axis=1) for a in (start, along, rim, to_rim))
-            start += to_rim.min(axis=0) * along
-            over_u = to_rim[0] <= to_rim[1]
-            for axis, over in ((0, over_u), (1, ~over_u)):
-                np.copyto(start[axis], surface.period[axis] - rim[axis], where=over)
             for whole, some in zip(o, start, strict=True):
                 whole[seeking] = some
             found = surface.query(start, along)
@@ -48,19 +44,21 @@ def next_triangle(surface: Surface, o: Array, d: Array, inside: Array | None) ->
     return triangle
 
 
-def _rim(surface: Surface, o: Array, d: Array) -> tuple[Array, Array, Array]:
-    """Where rays that met nothing leave the period: its sides that they head for, along u and v
-    (2, n), how far these are (2, n), and the height (n,) at which the nearer is reached.
+def _at_the_rim(surface: Surface, o: Array, d: Array) -> Array:
+    """Where rays (3, n) that met nothing leave the period, as points of the next, (3, n).
 
     The mesh reaches a margin beyond the period, so the way to the period's rim, and a little of
     what follows, has been searched. A ray straight up or down reaches no side, at an infinite
     height.
     """
-    rim = surface.period * (d[:2] > 0)
+    beyond = np.copysign(surface.period.astype(o.dtype), d[:2])
+    # Of a ray along the rim 0 / 0: the other side is nearer.
     with np.errstate(divide="ignore", invalid="ignore"):
-        to_rim = (rim - o[:2]) / d[:2]
-    to_rim[d[:2] == 0] = np.inf
-    return rim, to_rim, o[2] + np.minimum(to_rim[0], to_rim[1]) * d[2]
+        to_rim = (np.maximum(beyond, 0) - o[:2]) / d[:2]
+        nearest = np.fmin.reduce(to_rim, axis=0, initial=np.inf)
+        point = o + nearest * d
+        point[:2] -= beyond * (to_rim == nearest)
+    return point
 
 
 def meet(surface: Surface, o: Array, d: Array, triangle: Array) -> tuple[Array, Array, Array]:
@@ -69,6 +67,7 @@ def meet(surface: Surface, o: Array, d: Array, triangle: Array) -> tuple[Array, 
     Returns points (3, n) within one period, whether the upper side is met (n,), and the slopes
     (2, n) of the planes, in the surface's coordinates.
     """
+    o, d = o.astype(float, copy=False), d.astype(float, copy=False)
     offset, slope_u, slope_v, _ = planes = surface.planes.take(triangle, axis=0).T
     approach = d[2] - slope_u * d[0] - slope_v * d[1]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -24,7 +24,8 @@ BLOCK = 32768
 
 @dataclass
 class Rays(Batch):
-    """Paths under way: origins and directions in the surface's coordinates, (3, n)."""
+    """Paths under way: origins in the surface's coordinates and directions in the world, (3, n),
+    in single precision, as Embree takes them."""
 
     o: Array
     d: Array
@@ -76,20 +77,22 @@ class Tracer:
             for block in rays.blocks(BLOCK):
                 yield from self._facet(block, order, rng, survivors)
         if survivors:
-            yield self._leave(concatenate(survivors), max_order + 1, resolved=False)
+            yield _leave(concatenate(survivors), max_order + 1, resolved=False)
 
     def _arrive(self, wi: Array, place: Array, piece: tuple[int, int]) -> Rays:
         """Rays at the places (n,) in [0, 1) of the curve, or of those of all views in turn."""
-        n, o, view = place.size, np.empty((3, place.size)), None
-        directions = -(self.views.to_mesh @ wi).T
-        o[2] = self.surface.top
+        n, view = place.size, None
+        o, d = np.empty((2, 3, n), np.float32)
+        top, bottom = self.surface.top, self.surface.bottom
+        o[2] = top
         if self.number > 1:
             place = place * self.number
             view = place.astype(np.int8)
             place -= view
-            o[2, upside_down(view)] = self.surface.bottom
+            o[2] += (bottom - top) * upside_down(view)
         o[:2] = morton((piece[0] + place) / piece[1]) * self.surface.period
-        rays = Rays(o, directions.take(np.zeros(n, int) if view is None else view, axis=1), view)
+        d[:] = -wi[:, None]
+        rays = Rays(o, d, view)
         if self.material.absorbs:
             rays.weight = np.ones((self.material.channels, n))
         if self.material.transmits:
@@ -101,45 +104,45 @@ class Tracer:
         self, rays: Rays, order: int, rng: np.random.Generator, survivors: list[Rays]
     ) -> Iterator[Light]:
         """Take rays to their facet number `order`; yield those that find none."""
-        triangle = next_triangle(self.surface, rays.o, rays.d, _below(rays))
+        d = each(self.views.to_mesh, rays.d, rays.view)
+        triangle = next_triangle(self.surface, rays.o, d, _below(rays))
         escaped, lost = triangle == ESCAPED, triangle == LOST
         if escaped.any():
-            yield self._leave(rays.compress(escaped), order - 1)
+            yield _leave(rays.compress(escaped), order - 1)
         if lost.any():
-            yield self._leave(rays.compress(lost), order - 1, resolved=False)
+            yield _leave(rays.compress(lost), order - 1, resolved=False)
         hit = triangle >= 0
         if not hit.all():
-            rays, triangle = rays.compress(hit), triangle.compress(hit)
-        point, upper, slopes = meet(self.surface, rays.o, rays.d, triangle)
+            rays, d, triangle = rays.compress(hit), d.compress(hit, axis=1), triangle.compress(hit)
+        point, upper, slopes = meet(self.surface, rays.o, d, triangle)
         below = _below(rays)
         facing = upper if below is None else upper ^ below
         if not facing.all():
             # The far side of a facet was met: the ray has leaked through the surface.
-            yield self._leave(rays.compress(~facing), order - 1, resolved=False)
+            yield _leave(rays.compress(~facing), order - 1, resolved=False)
             rays, point, slopes = rays.compress(facing), point[:, facing], slopes[:, facing]
         if point.size:
             survivors.append(self._scatter(rays, point, slopes, rng))
 
     def _scatter(self, rays: Rays, point: Array, slopes: Array, rng: np.random.Generator) -> Rays:
-        m = self.views.normals(slopes, rays.view)
+        m = self.views.normals(slopes.astype(np.float32), rays.view)
         if rays.inside is not None:
             np.negative(m, out=m, where=rays.inside)
-        travel, gain, transmitted = self.material.scatter(self._in_world(rays), m, rays.inside, rng)
-        after = Rays(point, each(self.views.to_mesh, travel, rays.view), rays.view)
+        travel, gain, transmitted = self.material.scatter(rays.d, m, rays.inside, rng)
+        after = Rays(point, travel, rays.view)
         if gain is not None and rays.weight is not None:
             after.weight = rays.weight * gain
         if transmitted is not None and rays.inside is not None and rays.sequence is not None:
             after.inside = rays.inside ^ transmitted
             after.sequence = append_event(rays.sequence, transmitted)
         below, lift = _below(after), self.surface.lift
-        point[2] += lift if below is None else np.where(below, -lift, lift)
+        point[2] += lift if below is None else lift - (2 * lift) * below
+        after.o = point.astype(np.float32)
         return after
 
-    def _leave(self, rays: Rays, order: int, resolved: bool = True) -> Light:
-        return Light(order, self._in_world(rays), rays.weight, rays.inside, rays.sequence, resolved)
 
-    def _in_world(self, rays: Rays) -> Array:
-        return each(self.views.to_world, rays.d, rays.view)
+def _leave(rays: Rays, order: int, resolved: bool = True) -> Light:
+    return Light(order, rays.d, rays.weight, rays.inside, rays.sequence, resolved)
 
 
 def _below(rays: Rays) -> Array | None:

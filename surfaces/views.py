@@ -47,19 +47,21 @@ class Views:
 
     def normals(self, slopes: Array, view: Array | None) -> Array:
         """Upward normals (3, n) in the world, of z = 1, of planes of these slopes (2, n) a cell."""
-        m = np.empty((3, slopes.shape[1]))
+        m = np.empty((3, slopes.shape[1]), slopes.dtype)
         each(self.slopes, slopes, view, m[:2])
         m[2] = 1
         return m
 
 
 def each(matrices: Array, vectors: Array, view: Array | None, out: Array | None = None) -> Array:
-    """Vectors (k, n), each multiplied by the matrix of its view, of `matrices` (views, j, k).
+    """Vectors (k, n), each multiplied by the matrix of its view, of `matrices` (views, j, k), in
+    the precision of the vectors.
 
     The numbers of the views `view` (n,) ascend; None: all are of the first.
     """
+    matrices = matrices.astype(vectors.dtype, copy=False)
     if out is None:
-        out = np.empty((matrices.shape[1], vectors.shape[1]))
+        out = np.empty((matrices.shape[1], vectors.shape[1]), vectors.dtype)
     if view is None:
         return np.matmul(matrices[0], vectors, out=out)
     ends = np.searchsorted(view, np.arange(VIEWS + 1, dtype=view.dtype)).tolist()
