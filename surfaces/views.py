@@ -40,8 +40,6 @@ class Views:
         turns = TURNS[:number]
         self.to_mesh = turns @ stretch.matrix
         """From the world to the mesh, a matrix for each view, (views, 3, 3)."""
-        self.to_world = stretch.inverse @ turns.transpose(0, 2, 1)
-        """The way back."""
         self.slopes = -turns[:, 2:, 2:] * self.to_mesh[:, :2, :2].transpose(0, 2, 1)
         """From slopes of the mesh to the first two components of upward normals, (views, 2, 2)."""
 

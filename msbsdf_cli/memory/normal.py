@@ -5,7 +5,7 @@ a ray or the surface is above it for certain.
 """
 
 import numpy as np
-from scipy.special import erfc, log_ndtr, ndtr, ndtri
+from scipy.special import erfc, log_ndtr, ndtri
 
 from surfaces.facet import Array
 
@@ -60,9 +60,9 @@ def _crossing(k: Array) -> tuple[Array, Array]:
 
 
 _X = np.linspace(-WIDEST, WIDEST, NODES)
-LOG_BELOW, BELOW, LESS = (f(_X).astype(np.float32) for f in (log_ndtr, ndtr, lambda x: excess(-x)))
+LOG_BELOW, LESS = (f(_X).astype(np.float32) for f in (log_ndtr, lambda x: excess(-x)))
 TRUNCATED, NARROWER = (a.astype(np.float32) for a in _truncated(_X))
 _K = np.linspace(-WIDEST, WIDEST, 256)
 CROSSING, SCATTER = (np.interp(_X, _K, a).astype(np.float32) for a in _crossing(_K))
-"""ln Phi; Phi; E[(x - y)+]; what lies below x: minus its mean, and 1 less its variance; what
+"""ln Phi; E[(x - y)+]; what lies below x: minus its mean, and 1 less its variance; what
 crosses at x: its mean and its variance."""

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from msbsdf_cli.experiments.render.picture import Picture, luminance
 from msbsdf_cli.plots.style import save
@@ -24,10 +24,9 @@ def draw_pictures(pictures: list[Picture], exposure: float, path: Path) -> None:
     up = WIDTH * height / width
     rows = 3
     across = len(pictures) * (WIDTH + 0.1) + 0.9
-    figure, axes = plt.subplots(
-        rows, len(pictures), figsize=(across, rows * (up + 0.12) + 0.45), squeeze=False
-    )
     total = rows * (up + 0.12) + 0.45
+    figure = Figure((across, total))
+    axes = figure.subplots(rows, len(pictures), squeeze=False)
     figure.subplots_adjust(
         0.1 / across, 0.05 / total, 1 - 0.8 / across, 1 - 0.4 / total, 0.03, 0.06
     )

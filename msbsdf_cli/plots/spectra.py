@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from msbsdf_cli.plots.style import COLOURS, in_degrees, save
 from msbsdf_cli.plots.surface import lit_view
@@ -30,7 +30,7 @@ def draw_spectra(
     columns = min(number, 4)
     strips = -(-number // columns)
     size = max(2.2 * columns, 6.2), 0.85 * strips + 3.4
-    figure = plt.figure(figsize=size, layout="constrained")
+    figure = Figure(size, layout="constrained")
     figure.suptitle(_title(alpha), fontsize=8)
     grid = figure.add_gridspec(strips + 1, columns, height_ratios=[*(0.85,) * strips, 3.2])
     chart = figure.add_subplot(grid[-1, :])

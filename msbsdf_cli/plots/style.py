@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-
-mpl.use("Agg")
-import matplotlib.pyplot as plt
 from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -20,7 +18,7 @@ from msbsdf_cli.methods.registry import METHODS
 from msbsdf_cli.plots import FOR_PAGE, FORMAT, PAGE_OF
 from msbsdf_cli.scene import in_degrees as in_degrees
 
-plt.rcParams.update(
+mpl.rcParams.update(
     {
         "font.size": 8,
         "axes.titlesize": 8,
@@ -71,9 +69,8 @@ def panels(
     left, bottom, top = 0.85, 0.5, 0.6
     across = left + sum(widths) + gap[0] * (len(widths) - 1) + right
     up = bottom + rows * height + gap[1] * (rows - 1) + top
-    figure, axes = plt.subplots(
-        rows, len(widths), figsize=(across, up), squeeze=False, width_ratios=widths, **keywords
-    )
+    figure = Figure((across, up))
+    axes = figure.subplots(rows, len(widths), squeeze=False, width_ratios=widths, **keywords)
     figure.subplots_adjust(
         left / across,
         bottom / up,
@@ -124,8 +121,8 @@ def key(figure: Any, handles: Sequence[Any], raised: float = 0) -> None:
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write a PNG, or what is wanted instead, and free the figure. Beside it lies, until the page
-    of the report is written, what is for that alone: a PNG, and an SVG of a picture of lines."""
+    """Write a PNG, or what is wanted instead. Beside it lies, until the page of the report is
+    written, what is for that alone: a PNG, and an SVG of a picture of lines."""
     wanted = os.environ.get(FORMAT, "png")
     # To seek with `findobj` makes every tick of every axis.
     axes = [*figure.axes, *(inset for axis in figure.axes for inset in axis.child_axes)]
@@ -139,4 +136,3 @@ def save(figure: Any, path: Path) -> None:
         place = path.with_suffix(f".{suffix}" if suffix == wanted else f"{FOR_PAGE}.{suffix}")
         made = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
         figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white", metadata=made)
-    plt.close(figure)

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from msbsdf_cli.plots.style import HALO, save
 from surfaces.facet import Array
@@ -23,9 +23,8 @@ def draw_surface(
 ) -> None:
     """surface.png: the surface of roughness `alpha` that `stretch` makes of a mesh, seen aslant,
     lit from a side, with shadows; and from above, the heights of the same square."""
-    figure, (left, right) = plt.subplots(
-        1, 2, figsize=(8, 3.6), width_ratios=[1.25, 1], layout="constrained"
-    )
+    figure = Figure((8, 3.6), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=[1.25, 1])
     brightness = lit_view(surface, stretch, alpha)
     left.imshow(brightness, cmap="gray", vmin=0, vmax=1, interpolation="bilinear")
     left.set_title(f"alpha = {alpha[0]:.3g}, {alpha[1]:.3g}: from 35° above the horizon")

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -37,7 +37,7 @@ def draw_tradeoff(
     small = [] if len(angles) == 1 else angles
     columns = -(-len(small) // 2)
     width = 6.4 + 2.3 * columns
-    figure = plt.figure(figsize=(width, 5.2))
+    figure = Figure((width, 5.2))
     edges = {"bottom": 0.09, "top": 0.89}
     main = figure.add_gridspec(1, 1, left=0.75 / width, right=(0.75 + WIDTH) / width, **edges)
     axis = figure.add_subplot(main[0])

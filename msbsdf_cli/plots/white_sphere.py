@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import SymLogNorm
+from matplotlib.figure import Figure
 
 from msbsdf_cli.experiments.render.picture import luminance
 from msbsdf_cli.experiments.white_sphere import Sphere
@@ -32,7 +32,7 @@ def draw_spheres(spheres: list[Sphere], path: Path) -> None:
     n, rows = len(methods), 2 * len(alphas)
     across = LEFT + n * (SIDE + GAP) + RIGHT
     up = TOP + rows * (SIDE + GAP) + len(alphas) * NOTE + BOTTOM
-    figure = plt.figure(figsize=(across, up))
+    figure = Figure((across, up))
     scale = {"cmap": "coolwarm", "norm": SymLogNorm(FINEST, vmin=-WIDEST, vmax=WIDEST)}
     for a, alpha in enumerate(alphas):
         high = up - TOP - a * (2 * (SIDE + GAP) + NOTE)

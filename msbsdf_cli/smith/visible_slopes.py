@@ -64,7 +64,8 @@ def visible_slopes(
     )
     m /= np.sqrt(dot(m, m))
     # dm = cos^3(theta_m) dx dy, and dx dy = alpha_x alpha_y tan(psi) / cos^2(psi) dpsi dphi.
-    weight *= slopes.alpha_x * slopes.alpha_y * sin_psi * (m[2] / cos_psi) ** 3
+    over = m[2] / cos_psi
+    weight *= slopes.alpha_x * slopes.alpha_y * sin_psi * over * over * over
     weight *= slopes.D(m) * np.maximum(-dot(d[:, None, None, :], m), 0)
     n = d.shape[1]
     return m.reshape(3, -1, n), weight.reshape(-1, n)

@@ -9,16 +9,22 @@ heights correlate.
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
+from math import factorial
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import j0, j1, jv
+from scipy.special import j0, j1
 
 from surfaces.facet import Array
 from surfaces.quadrature import gauss
 
 LEAST_PHASE = 0.5
-"""Below, the recurrence of Bessel functions loses digits, and they are asked for one by one."""
+"""Below, the recurrence of Bessel functions loses digits, and `TERMS` terms of their series are
+right to the last one."""
+
+TERMS = 7
+
+PHASES = 1 << 14
+"""Of derivatives, taken at once: some arrays of these stay in a core's cache."""
 
 NODES = 400
 """Between kinks of a spectrum: some for each wave of its autocorrelation at 20 lengths."""
@@ -80,20 +86,20 @@ class Spectrum(ABC):
     def derivatives(self, r: Array) -> Array:
         """The autocorrelation at distances `r` (n,) and its first four derivatives, (5, n)."""
         wave, share = self.waves
-        phase = np.multiply.outer(r, wave)
-        J = [j0(phase), j1(phase)]
-        small = phase < LEAST_PHASE
-        for n in range(1, 4):
-            J.append((2 * n) / np.maximum(phase, LEAST_PHASE) * J[n] - J[n - 1])
-            J[-1][small] = jv(n + 1, phase[small])
-        bends = (
-            J[0],
-            -J[1],
-            (J[2] - J[0]) / 2,
-            (3 * J[1] - J[3]) / 4,
-            (3 * J[0] - 4 * J[2] + J[4]) / 8,
-        )
-        return np.stack([bend @ (share * wave**n) for n, bend in enumerate(bends)])
+        found = np.empty((5, r.size))
+        some = -(-PHASES // wave.size)
+        for start in range(0, r.size, some):
+            J = _bessel(np.multiply.outer(r[start : start + some], wave))
+            bends = (
+                J[0],
+                -J[1],
+                (J[2] - J[0]) / 2,
+                (3 * J[1] - J[3]) / 4,
+                (3 * J[0] - 4 * J[2] + J[4]) / 8,
+            )
+            for n, bend in enumerate(bends):
+                found[n, start : start + some] = bend @ (share * wave**n)
+        return found
 
     @cached_property
     def correlation_length(self) -> float:
@@ -102,6 +108,9 @@ class Spectrum(ABC):
 
     def distance(self, level: float) -> float:
         """Distance at which the autocorrelation has fallen to `level`, between 0.2 and 1."""
+        # Not above: it takes longer to import than many a run takes.
+        from scipy.optimize import brentq
+
         r = np.linspace(0, 40, 4001)
         first = int(np.argmax(self.autocorrelation(r) < level))
         ends = r[first - 1], r[first]
@@ -111,3 +120,19 @@ class Spectrum(ABC):
         """Variance of the slope over a cell, along an axis, over that at a point; less than 1."""
         wave, share = self.waves
         return float(((1 - j0(wave / cells)) @ share) * cells**2)
+
+
+def _bessel(phase: Array) -> list[Array]:
+    """Bessel functions of the first kind, of orders 0 to 4."""
+    J = [j0(phase), j1(phase)]
+    small, large = np.minimum(phase, LEAST_PHASE), np.maximum(phase, LEAST_PHASE)
+    q = -small * small / 4
+    for n in range(1, 4):
+        upward = (2 * n) / large * J[n] - J[n - 1]
+        series = np.ones_like(q)
+        for k in range(TERMS - 1, 0, -1):
+            series *= q / (k * (n + 1 + k))
+            series += 1
+        series *= (small / 2) ** (n + 1) / factorial(n + 1)
+        J.append(np.where(phase < LEAST_PHASE, series, upward))
+    return J

@@ -18,7 +18,7 @@ from msbsdf_cli.results.place import locked
 
 WALK = ("sweep", "walk", "--alpha", "0.3:0.9:3", "--theta", "0,60deg", "--samples", "2000")
 SCAN = "a file of heights"
-SURFACES = ("--cells", "4", "--extent", "6", "--realisations", "6", "--samples", "600")
+SURFACES = ("--cells", "4", "--extent", "6", "--realisations", "4", "--samples", "400")
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 import json
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from command_line import msbsdf
@@ -129,7 +128,6 @@ def test_the_picture_shows_what_is_lost_and_what_is_won(monkeypatch, tmp_path):
         if line.get_markerfacecolor() == "white"
     ]
     assert hollow == [0, 1]
-    plt.close(figures[0])
 
 
 def test_a_method_alone_is_held_against_what_comes_in(tmp_path):

@@ -2,9 +2,10 @@
 
 from itertools import combinations
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from msbsdf_cli.plots.labels import name_curves
@@ -12,7 +13,7 @@ from msbsdf_cli.plots.labels import name_curves
 
 @pytest.mark.parametrize("apart", [0.3, 0.02])
 def test_names_hide_neither_one_another_nor_curves(apart):
-    figure = plt.figure(figsize=(5, 4))
+    figure = Figure((5, 4))
     axis = figure.add_axes((0.1, 0.1, 0.85, 0.85))
     axis.set_xscale("log")
     axis.set_yscale("log")
@@ -26,7 +27,7 @@ def test_names_hide_neither_one_another_nor_curves(apart):
     curves["published"] = np.array([np.full(200, 1.5), np.geomspace(1e-3, 0.5, 200)]), "k"
     texts = np.array([np.geomspace(1e-3, 1e-1, 40), np.full(40, 0.02)])
     name_curves(axis, curves, texts)
-    figure.canvas.draw()
+    FigureCanvasAgg(figure).draw()
     boxes = [Text.get_window_extent(text) for text in axis.texts]  # Without leaders.
     assert [text.get_text() for text in axis.texts] == list(curves)
     frame = axis.get_window_extent()
@@ -35,4 +36,3 @@ def test_names_hide_neither_one_another_nor_curves(apart):
     assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
     points = axis.transData.transform(np.concatenate([*(c.T for c, _ in curves.values()), texts.T]))
     assert not any(b.contains(*point) for b in boxes for point in points)
-    plt.close(figure)

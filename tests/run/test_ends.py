@@ -59,7 +59,7 @@ def test_a_killed_run_leaves_nothing(name, threads, tmp_path):
     notes = tmp_path / "notes.txt"
     notes.write_text("mine")
     # Between start-up and long after it, another moment for each case.
-    moment = np.random.default_rng([threads, getattr(signal, name)]).uniform(0.3, 1.4)
+    moment = np.random.default_rng([threads, getattr(signal, name)]).uniform(0.2, 0.9)
     process = start(*LONG, "--threads", threads, "--out", tmp_path / "r")
     time.sleep(moment)
     workers = running(process.pid)

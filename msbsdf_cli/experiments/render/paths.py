@@ -19,9 +19,6 @@ from surfaces.batch import Batch, concatenate
 from surfaces.facet import Array, dot
 from surfaces.materials import Material
 
-STRATEGIES = ("mis", "bsdf", "light")
-"""How light finds a surface: by samples of the BSDF, by samples of the lights, or by both."""
-
 
 class Shades(Protocol):
     """What pixels ask of a method, as `methods.protocol.Method` has it, or of a table."""
@@ -95,6 +92,7 @@ class Integrator:
     stage: Stage
     shader: Shader
     strategy: str = "mis"
+    """How light is found: by samples of the BSDF ("bsdf"), of the lights ("light"), or by both."""
     counts: Counts = field(default_factory=Counts)
 
     def radiance(self, o: Array, d: Array, rng: np.random.Generator) -> Array:
