@@ -23,8 +23,11 @@ class Batch:
 
     def compress(self, keep: Array) -> Self:
         """The paths for which `keep` (n,) of bool holds."""
-        kept = np.flatnonzero(keep)
-        return self.each(lambda a: a.take(kept, axis=-1))
+        return self.take(np.flatnonzero(keep))
+
+    def take(self, lanes: Array) -> Self:
+        """The paths of these numbers (n,)."""
+        return self.each(lambda a: a.take(lanes, axis=-1))
 
     def blocks(self, length: int) -> Iterator[Self]:
         """Runs of at most `length` paths."""

@@ -168,14 +168,12 @@ class Surface:
 
     def query(self, o: Array, d: Array) -> Array:
         """Numbers (n,) of the triangles that rays (3, n) meet first within the mesh, or -1."""
-        rays = np.empty((2, o.shape[1], 3), np.float32)
-        for axis in range(3):
-            rays[0, :, axis], rays[1, :, axis] = o[axis], d[axis]
+        o, d = o.astype(np.float32, copy=False), d.astype(np.float32, copy=False)
         # A sum of products is finite only where all of them are.
-        if not np.isfinite(np.vdot(rays[0], rays[1])):
+        if not np.isfinite(np.vdot(o, d)):
             raise FloatingPointError("a ray with a value that is not finite was about to be traced")
         started = perf_counter()
-        triangle: Array = self.scene.run(rays[0], rays[1], query="INTERSECT")
+        triangle: Array = self.scene.run(o.T, d.T, query="INTERSECT")
         self.embree_s += perf_counter() - started
         self.rays += o.shape[1]
         return triangle

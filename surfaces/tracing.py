@@ -77,7 +77,8 @@ class Tracer:
             for block in rays.blocks(BLOCK):
                 yield from self._facet(block, order, rng, survivors)
         if survivors:
-            yield _leave(concatenate(survivors), max_order + 1, resolved=False)
+            rays = concatenate(survivors)
+            yield _leave(rays, np.arange(rays.size), max_order + 1, resolved=False)
 
     def _arrive(self, wi: Array, place: Array, piece: tuple[int, int]) -> Rays:
         """Rays at the places (n,) in [0, 1) of the curve, or of those of all views in turn."""
@@ -106,20 +107,20 @@ class Tracer:
         """Take rays to their facet number `order`; yield those that find none."""
         d = each(self.views.to_mesh, rays.d, rays.view)
         triangle = next_triangle(self.surface, rays.o, d, _below(rays))
-        escaped, lost = triangle == ESCAPED, triangle == LOST
-        if escaped.any():
-            yield _leave(rays.compress(escaped), order - 1)
-        if lost.any():
-            yield _leave(rays.compress(lost), order - 1, resolved=False)
-        hit = triangle >= 0
-        if not hit.all():
-            rays, d, triangle = rays.compress(hit), d.compress(hit, axis=1), triangle.compress(hit)
+        escaped, lost = (np.flatnonzero(triangle == none) for none in (ESCAPED, LOST))
+        if escaped.size:
+            yield _leave(rays, escaped, order - 1)
+        if lost.size:
+            yield _leave(rays, lost, order - 1, resolved=False)
+        if escaped.size or lost.size:
+            hit = np.flatnonzero(triangle >= 0)
+            rays, d, triangle = rays.take(hit), d.take(hit, axis=1), triangle.take(hit)
         point, upper, slopes = meet(self.surface, rays.o, d, triangle)
         below = _below(rays)
         facing = upper if below is None else upper ^ below
         if not facing.all():
             # The far side of a facet was met: the ray has leaked through the surface.
-            yield _leave(rays.compress(~facing), order - 1, resolved=False)
+            yield _leave(rays, np.flatnonzero(~facing), order - 1, resolved=False)
             rays, point, slopes = rays.compress(facing), point[:, facing], slopes[:, facing]
         if point.size:
             survivors.append(self._scatter(rays, point, slopes, rng))
@@ -141,8 +142,11 @@ class Tracer:
         return after
 
 
-def _leave(rays: Rays, order: int, resolved: bool = True) -> Light:
-    return Light(order, rays.d, rays.weight, rays.inside, rays.sequence, resolved)
+def _leave(rays: Rays, lanes: Array, order: int, resolved: bool = True) -> Light:
+    """The light of some of the rays (n,)."""
+    numbers = rays.weight, rays.inside, rays.sequence
+    weight, inside, sequence = (None if a is None else a.take(lanes, axis=-1) for a in numbers)
+    return Light(order, rays.d.take(lanes, axis=1), weight, inside, sequence, resolved)
 
 
 def _below(rays: Rays) -> Array | None:

@@ -44,10 +44,6 @@ class Facets(Batch):
     noise: Array
     """Three normal numbers for what curvatures scatter, (3, n)."""
 
-    def take(self, lanes: Array) -> "Facets":
-        """Some of them."""
-        return self.each(lambda a: a.take(lanes, axis=-1))
-
     def column(self) -> "Facets":
         """They as they broadcast against outgoing directions, (n, 1)."""
         return self.each(lambda a: a[..., None])

@@ -171,7 +171,7 @@ def met(
             mine, ends = np.flatnonzero(below == here), np.flatnonzero(out.inside == there)
             if mine.size and ends.size:
                 ray, facets = on_way[0].take(mine), on_way[1].take(mine)
-                some = lanes.each(lambda a, mine=mine: a.take(mine, axis=-1))  # type: ignore[misc]
+                some = lanes.take(mine)
                 where = np.ix_(mine, ends)
                 phase[where], some_colour = _met_on_sides(
                     memory, slopes, material, some, ray, facets, out.w[:, ends], here, there

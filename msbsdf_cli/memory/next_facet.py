@@ -90,7 +90,7 @@ def passing(
         done = np.flatnonzero(each.any(axis=1))
         chosen = crossing.take(done * times + each.argmax(axis=1).take(done))
         met.slot = rays.take(met.slot)
-        found.append(met.each(lambda a, some=chosen[chosen >= 0]: a.take(some)))  # type: ignore[misc]
+        found.append(met.take(chosen[chosen >= 0]))
         lanes = np.delete(lanes, done)
     return _as_hits(memory.correlation, concatenate(found), facet.shape[1])
 

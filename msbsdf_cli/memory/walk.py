@@ -134,7 +134,7 @@ def bounce(
     before = None if order > 1 else came_from_outside(slopes, lanes, after, ray)
     hits, away = next_facets(memory, facet, rng, before)
     light, stays = leave(after.compress(away), order), hits.slot
-    staying, ray = after.each(lambda a: a.take(stays, axis=-1)), ray.take(stays)
+    staying, ray = after.take(stays), ray.take(stays)
     facets = remembered(
         memory.correlation, hits.place, ray, facet.take(stays, axis=1), across.take(stays), rng
     )

@@ -13,7 +13,6 @@ keeps the part of that sum whose connections lie on its own side as a running su
 """
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -89,8 +88,8 @@ def _connect_block(
             position = where[other.slot // out.n]
             both = np.flatnonzero(position >= 0)
             if s + t and both.size:
-                a = one.each(partial(np.take, indices=position[both], axis=-1))
-                b = other.each(partial(np.take, indices=both, axis=-1))
+                a = one.take(position[both])
+                b = other.take(both)
                 row = min(s + t, estimate.orders)
                 total[:, row, b.slot] += _connect(model, a, b, last=t == 0) * scale[b.slot]
     estimate.open_tail(pairs, 1, start)

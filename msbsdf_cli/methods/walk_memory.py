@@ -73,7 +73,7 @@ class WalkMemory(FollowsPaths):
         def look(order: int, lanes: Lanes, on_way: tuple[Directions, Facets] | None) -> None:
             for start in range(0, 0 if specular and on_way is None else lanes.slot.size, step):
                 some = np.arange(start, min(start + step, lanes.slot.size))
-                few = lanes.each(lambda a: a.take(some, axis=-1))  # noqa: B023
+                few = lanes.take(some)
                 if specular and on_way is not None:
                     mine = on_way[0].take(some), on_way[1].take(some)
                     phase, colour = next_event.met(*about, few, mine, out)

@@ -33,9 +33,13 @@ class Bins:
 
     def __call__(self, x: Array) -> Array:
         """Numbers (n,) of the bins of `x` (n,); that of an edge is the bin which starts there."""
-        cell = ((x - self._low) * self._per_unit).astype(np.intp)
+        place = x - self._low
+        place *= self._per_unit
+        cell = place.astype(np.intp)
         beyond = x >= self._edges[x.dtype].take(cell)
-        found: Array = self._names.take(2 * cell + beyond)
+        cell *= 2
+        cell += beyond
+        found: Array = self._names.take(cell)
         return found
 
 
@@ -72,7 +76,8 @@ def lobe_bin(w: Array) -> Array:
     azimuth -= 1
     azimuth *= np.copysign(w.dtype.type(1), x)
     azimuth += 1
-    bins: Array = _ROW(np.minimum(np.abs(w[2]), 1)) + _COLUMN(azimuth)
+    bins = _ROW(np.minimum(np.abs(w[2]), 1))
+    bins += _COLUMN(azimuth)
     return bins
 
 

@@ -86,7 +86,7 @@ def test_diffuse_facets_without_roughness_are_a_plane():
 
 @pytest.mark.parametrize("material", [Conductor(), Diffuse((0.8, 0.4)), Dielectric(1.5)])
 def test_surfaces_shade_as_they_send_light(material, monkeypatch):
-    monkeypatch.setattr(tables, "RAYS", 20_000)
+    monkeypatch.setattr(tables, "RAYS", 10_000)
     monkeypatch.setattr(tables, "SAMPLES_OF_SINGLE", 50_000)
     monkeypatch.setattr(tables, "ACCURACY", 0.04)
     monkeypatch.setattr(tables, "THETA_OF_SURFACES", (0.0, 0.8, 1.4))

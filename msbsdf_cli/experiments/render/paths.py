@@ -151,7 +151,7 @@ class Integrator:
         for side in (False, True):
             lanes = np.flatnonzero(within == side)
             if lanes.size:
-                some = paths.each(lambda a, lanes=lanes: a.take(lanes, axis=-1))  # type: ignore[misc]
+                some = paths.take(lanes)
                 at = frames[:, :, lanes], point[:, lanes]
                 method = self._method(side, at[1])
                 before = _troubles(method)
