@@ -6,9 +6,9 @@ from surfaces.facet import Array
 from surfaces.surface import Surface
 
 ESCAPED = -1
+"""What rays meet that leave towards the sky; of no triangle Embree says the same."""
 LOST = -2
-AWAY = np.array([LOST, ESCAPED], np.int32)
-"""What rays are that have left towards the other side of the surface, and towards the sky."""
+"""Of rays that leave towards the other side of the surface, or cross too many periods."""
 
 MAX_PERIODS = 10_000
 """Periods a ray may cross between two facets. Only rays within about 1e-5 of the horizontal cross
@@ -23,22 +23,26 @@ def next_triangle(surface: Surface, o: Array, d: Array, inside: Array | None) ->
     """
     triangle = surface.query(o, d)
     seeking = np.flatnonzero(triangle < 0)
-    for _ in range(MAX_PERIODS):
-        if seeking.size == 0:
-            return triangle
-        along = d.take(seeking, axis=1)
-        start = _at_the_rim(surface, o.take(seeking, axis=1), along)
-        above, under = start[2] >= surface.top, start[2] < surface.bottom
-        sky = above if inside is None else above ^ inside.take(seeking)
-        triangle[seeking] = AWAY.take(sky)
-        on = np.flatnonzero(~(above | under))
-        if on.size < seeking.size:
-            seeking, start, along = (a.take(on, axis=-1) for a in (seeking, start, along))
-        if seeking.size:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for _ in range(MAX_PERIODS):
+            if seeking.size == 0:
+                return triangle
+            along = d.take(seeking, axis=1)
+            start = _at_the_rim(surface, o.take(seeking, axis=1), along)
+            under, stays = start[2] < surface.bottom, start[2] < surface.top
+            stays &= ~under
+            # Embree has found nothing: that some leave the wrong way has to be told.
+            astray = under if inside is None else (under ^ inside.take(seeking)) & ~stays
+            if astray.any():
+                triangle[seeking.compress(astray)] = LOST
+            on = np.flatnonzero(stays)
+            if on.size == 0:
+                return triangle
+            if on.size < seeking.size:
+                seeking, start, along = (a.take(on, axis=-1) for a in (seeking, start, along))
             for whole, some in zip(o, start, strict=True):
                 whole[seeking] = some
-            found = surface.query(start, along)
-            triangle[seeking] = found
+            triangle[seeking] = found = surface.query(start, along)
             seeking = seeking.compress(found < 0)
     triangle[seeking] = LOST
     return triangle
@@ -49,15 +53,13 @@ def _at_the_rim(surface: Surface, o: Array, d: Array) -> Array:
 
     The mesh reaches a margin beyond the period, so the way to the period's rim, and a little of
     what follows, has been searched. A ray straight up or down reaches no side, at an infinite
-    height.
+    height. Of a ray along a side 0 / 0 says that the other one is nearer.
     """
-    beyond = np.copysign(surface.period.astype(o.dtype), d[:2])
-    # Of a ray along the rim 0 / 0: the other side is nearer.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        to_rim = (np.maximum(beyond, 0) - o[:2]) / d[:2]
-        nearest = np.fmin.reduce(to_rim, axis=0, initial=np.inf)
-        point = o + nearest * d
-        point[:2] -= beyond * (to_rim == nearest)
+    beyond = np.copysign(surface.period.astype(o.dtype, copy=False), d[:2])
+    to_rim = (np.maximum(beyond, 0) - o[:2]) / d[:2]
+    nearest = np.fmin(to_rim[0], to_rim[1])
+    point = o + nearest * d
+    point[:2] -= beyond * (to_rim == nearest)
     return point
 
 
