@@ -29,13 +29,15 @@ def next_triangle(surface: Surface, o: Array, d: Array, inside: Array | None) ->
                 return triangle
             along = d.take(seeking, axis=1)
             start = _at_the_rim(surface, o.take(seeking, axis=1), along)
-            under, stays = start[2] < surface.bottom, start[2] < surface.top
-            stays &= ~under
+            # Who is beyond the highest point, but comes down, is still to meet the surface.
+            above = (start[2] >= surface.top) & (along[2] >= 0)
+            under = (start[2] < surface.bottom) & (along[2] <= 0)
+            away = above | under
             # Embree has found nothing: that some leave the wrong way has to be told.
-            astray = under if inside is None else (under ^ inside.take(seeking)) & ~stays
+            astray = under if inside is None else away & (under ^ inside.take(seeking))
             if astray.any():
                 triangle[seeking.compress(astray)] = LOST
-            on = np.flatnonzero(stays)
+            on = np.flatnonzero(~away)
             if on.size == 0:
                 return triangle
             if on.size < seeking.size:
@@ -53,9 +55,10 @@ def _at_the_rim(surface: Surface, o: Array, d: Array) -> Array:
 
     The mesh reaches a margin beyond the period, so the way to the period's rim, and a little of
     what follows, has been searched. A ray straight up or down reaches no side, at an infinite
-    height. Of a ray along a side 0 / 0 says that the other one is nearer.
+    height. Of a ray along a side 0 / 0 says that the other one is nearer. Heights are in double
+    precision: light near the horizon falls little with each period.
     """
-    beyond = np.copysign(surface.period.astype(o.dtype, copy=False), d[:2])
+    beyond = np.copysign(surface.period, d[:2])
     to_rim = (np.maximum(beyond, 0) - o[:2]) / d[:2]
     nearest = np.fmin(to_rim[0], to_rim[1])
     point = o + nearest * d
@@ -69,7 +72,7 @@ def meet(surface: Surface, o: Array, d: Array, triangle: Array) -> tuple[Array, 
     Returns points (3, n) within one period, whether the upper side is met (n,), and the slopes
     (2, n) of the planes, in the surface's coordinates.
     """
-    o, d = o.astype(float, copy=False), d.astype(float, copy=False)
+    d = d.astype(float, copy=False)
     offset, slope_u, slope_v, _ = planes = surface.planes.take(triangle, axis=0).T
     approach = d[2] - slope_u * d[0] - slope_v * d[1]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -24,8 +24,8 @@ BLOCK = 32768
 
 @dataclass
 class Rays(Batch):
-    """Paths under way: origins in the surface's coordinates and directions in the world, (3, n),
-    in single precision, as Embree takes them."""
+    """Paths under way: origins in the surface's coordinates and directions in the world, (3, n);
+    directions are in single precision, as Embree takes them."""
 
     o: Array
     d: Array
@@ -83,7 +83,7 @@ class Tracer:
     def _arrive(self, wi: Array, place: Array, piece: tuple[int, int]) -> Rays:
         """Rays at the places (n,) in [0, 1) of the curve, or of those of all views in turn."""
         n, view = place.size, None
-        o, d = np.empty((2, 3, n), np.float32)
+        o, d = np.empty((3, n)), np.empty((3, n), np.float32)
         top, bottom = self.surface.top, self.surface.bottom
         o[2] = top
         if self.number > 1:
@@ -109,7 +109,7 @@ class Tracer:
         triangle = next_triangle(self.surface, rays.o, d, _below(rays))
         escaped, lost = (np.flatnonzero(triangle == none) for none in (ESCAPED, LOST))
         if escaped.size:
-            yield _leave(rays, escaped, order - 1)
+            yield _leave(rays, escaped, order - 1, resolved=order > 1)
         if lost.size:
             yield _leave(rays, lost, order - 1, resolved=False)
         if escaped.size or lost.size:
@@ -138,7 +138,6 @@ class Tracer:
             after.sequence = append_event(rays.sequence, transmitted)
         below, lift = _below(after), self.surface.lift
         point[2] += lift if below is None else lift - (2 * lift) * below
-        after.o = point.astype(np.float32)
         return after
 
 

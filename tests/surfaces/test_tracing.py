@@ -52,6 +52,18 @@ def test_energy_with_absorption(material):
     assert absorbed > 0.01
 
 
+@pytest.mark.parametrize("views", [1, 8])
+def test_light_from_the_horizon_comes_down_to_the_surface(views):
+    """With each period it falls by less than single precision can tell of a height."""
+    surface = make(extent=8)
+    tracer = Tracer(surface, surface.stretch(10.0, 10.0, 0.0), Conductor(), views)
+    fall = 8 * 2 / 10 / np.tan(1.570796)
+    assert fall < np.spacing(np.float32(surface.top)) * 5
+    lights = list(tracer.trace(incident(1.570796), 5000, np.random.default_rng(0), 1000))
+    assert all(light.resolved and light.order >= 1 and (light.w[2] > 0).all() for light in lights)
+    assert sum(light.w.shape[1] for light in lights) == 5000
+
+
 def test_a_flat_surface_is_a_mirror():
     surface = Surface(np.zeros((16, 16)), 4)
     wi = incident(0.9, 1.1)
