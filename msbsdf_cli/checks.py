@@ -1,6 +1,7 @@
 """What public functions refuse at once: arguments that could only give a wrong number."""
 
 from collections.abc import Iterable
+from numbers import Real
 
 import numpy as np
 
@@ -39,11 +40,18 @@ def directions_out(w: Array, name: str = "wo") -> Array:
     return _unit(w, name).reshape(3, -1)
 
 
-def count(n: float, name: str, least: int = 1) -> int:
-    """A whole number of at least `least`. Raises ValueError for anything else."""
-    if n != n or n in (np.inf, -np.inf) or n != int(n) or n < least:
-        raise ValueError(f"{name} is {n}: a whole number of at least {least} is wanted.")
-    return int(n)
+def count(n: float, name: str, least: int = 1, most: int | None = None) -> int:
+    """A whole number from `least` to `most`. Raises ValueError for anything else."""
+    if isinstance(n, Real) and np.isfinite(n) and n == int(n) and least <= n <= (most or n):
+        return int(n)
+    wanted = f"of at least {least}" if most is None else f"from {least} to {most}"
+    raise ValueError(f"{name} is {n!r}: a whole number {wanted} is wanted.")
+
+
+def kind_of(value: object, kind: type, what: str) -> None:
+    """Raises ValueError for what is no `kind`; the sentence says `what` would be right."""
+    if not isinstance(value, kind):
+        raise ValueError(f"{what} is wanted, and not {type(value).__name__}.")
 
 
 def one_of(value: str, names: Iterable[str], what: str) -> str:

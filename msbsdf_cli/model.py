@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from msbsdf_cli.checks import count
+from msbsdf_cli.checks import count, kind_of
 from msbsdf_cli.smith.slopes import Slopes
 from surfaces.facet import Array
 from surfaces.materials import Material
@@ -19,6 +19,10 @@ class Smith:
     """`Beckmann`, `Ggx` or `StudentT`."""
     material: Material
     """Of the facets: `Conductor`, `Diffuse` or `Dielectric`."""
+
+    def __post_init__(self) -> None:
+        kind_of(self.slopes, Slopes, "a distribution of slopes, such as Ggx(0.5, 0.5),")
+        kind_of(self.material, Material, "a material, such as Conductor(),")
 
     def settings(self) -> dict[str, Any]:
         """Distribution and material in words and numbers."""

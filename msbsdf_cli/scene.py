@@ -72,7 +72,10 @@ def _tuples(value: Any) -> Any:
 
 
 def direction(theta: float, phi: float = 0.0) -> Array:
-    """Unit vector (3,) of polar angle and azimuth in radians."""
+    """Unit vector (3,) of polar angle and azimuth in radians. Raises ValueError for what is not
+    finite."""
+    if not math.isfinite(theta + phi):
+        raise ValueError(f"the angles are {theta} and {phi}: finite numbers are wanted.")
     return np.array(
         [math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta)]
     )
@@ -84,5 +87,8 @@ def from_normal(theta: float) -> float:
 
 
 def in_degrees(angle: float) -> str:
-    """An angle in radians as a person reads it."""
-    return f"{math.degrees(angle):.4g}°"
+    """An angle in radians as a person reads it: to four digits, or as many as tell it from the
+    horizon."""
+    degrees = math.degrees(angle)
+    texts = (f"{degrees:.{digits}g}" for digits in range(4, 18))
+    return f"{next(t for t in texts if float(t) != 90 or angle == math.pi / 2)}°"

@@ -119,6 +119,10 @@ class HeightField:
         assert scan.step is not None
         heights, notes = _one_period(scan.heights) if periodic else (scan.heights, ())
         patch = Patch(heights if periodic else levelled(heights, detrend), scan.step, periodic)
+        if not np.ptp(patch.heights) > ROUNDING * np.ptp(heights):
+            raise ValueError(
+                f"{path}: levelling leaves nothing of its heights: a surface without roughness."
+            )
         if filter_length is not None:
             before, patch = patch, patch.filtered(filter_length)
             if not np.ptp(patch.heights) > ROUNDING * np.ptp(before.heights):

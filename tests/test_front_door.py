@@ -124,6 +124,10 @@ def test_a_field_is_traced_and_compared(traced, tmp_path):
     late = (rows["quantity"] == "energy") & (rows["order"] == "3")
     # Valleys carry more light to a third facet than the model knows of.
     assert rows["own"][late] < 0
+    with pytest.raises(ValueError, match="what is simulated comes first"):
+        ms.compare(smith, loaded)
+    with pytest.raises(ValueError, match="of `simulate` and of `walk`"):
+        ms.merge([loaded, smith])
     with pytest.raises(ValueError, match="different scenes: material"):
         ms.compare(loaded, ms.walk(ms.Smith(model.slopes, ms.Diffuse()), WI, samples=100))
 
@@ -166,6 +170,16 @@ def test_units_of_length_do_not_matter(traced):
         (lambda: ms.HeightField.random(alpha=0), "alpha"),
         (lambda: ms.hemisphere(0), "n is 0"),
         (lambda: ms.merge([]), "no results"),
+        (lambda: ms.merge([None]), "a result of simulate or walk is wanted, and not NoneType"),
+        (lambda: ms.merge(ms.walk(MIRROR, WI, samples=2)), "a list of results"),
+        (lambda: ms.walk(MIRROR, WI, samples=2, orders=50), "from 1 to 10"),
+        (lambda: ms.walk(MIRROR, WI, samples=2, seed="a"), "seed is 'a'"),
+        (lambda: ms.walk(ms.Ggx(1, 1), WI, samples=2), "a model, such as"),
+        (lambda: ms.simulate(np.zeros((8, 8)), ms.Conductor(), WI), "a HeightField is wanted"),
+        (lambda: ms.Smith(0.5, ms.Conductor()), "a distribution of slopes"),
+        (lambda: ms.Smith(ms.Ggx(1, 1), None), "a material"),
+        (lambda: ms.Beckmann("a", 1), "alpha_x is a"),
+        (lambda: ms.direction(np.nan), "the angles are nan and 0.0"),
     ],
 )
 def test_what_could_only_give_a_wrong_number_is_refused(call, said):

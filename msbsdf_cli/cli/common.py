@@ -225,5 +225,6 @@ def duration(seconds: float) -> str:
     if seconds > 2 * 86400:
         return f"{seconds / 86400:.3g} days"
     if seconds < 90:
-        return f"{seconds:.0f} seconds"
+        whole = round(seconds)
+        return f"{whole} second{'s' * (whole != 1)}"
     return f"{seconds / 3600:.1f} hours" if seconds > 7200 else f"{seconds / 60:.0f} minutes"

@@ -51,7 +51,7 @@ def command(**options: Any) -> None:
         arithmetic = options["seed"], options["threads"], options["precision"], options["quiet"]
         of = options["autocorrelation"]
         values = evaluate(*work, *arithmetic, bidirectional=both_ends, autocorrelation=of)
-        report.warn(hardly_known(values))
+        report.warn(hardly_known(values) + dark_slices(values))
         table = slice_table(scene, directions, values)
         errors = slice_errors(values, scene.phi)
         tables: dict[str, Table] = {"slice.csv": table}
@@ -100,6 +100,21 @@ def hardly_known(values: list[Any]) -> list[str]:
         "only."
         for theta, error in errors
         if error > VALUE_KNOWN
+    ]
+
+
+def dark_slices(values: list[Any]) -> list[str]:
+    """Sentences on slices that hardly any light goes to."""
+    from msbsdf_cli.experiments.slice_errors import dark
+    from msbsdf_cli.scene import in_degrees
+
+    misses = {v.theta: dark(v, 0) for v in values}
+    misses |= {v.theta: False for v in values if not dark(v, 0)}
+    return [
+        f"light of theta {in_degrees(theta)} goes between the directions of the slice: what goes "
+        "to them is less than its noise; more --points would have one where the light is."
+        for theta, missed in misses.items()
+        if missed
     ]
 
 

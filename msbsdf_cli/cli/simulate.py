@@ -150,7 +150,7 @@ def surface_warnings(options: dict[str, Any]) -> list[str]:
     if periods > 100:
         warnings.append(
             f"theta {in_degrees(theta)} is so near the horizon that a ray crosses "
-            f"up to {periods:.0f} periods of the surface before it meets it; the run takes long."
+            f"up to {periods:.0f} periods of the surface before it meets it; the run may take long."
         )
     if options["realisations"] < 8:
         warnings.append(

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from msbsdf_cli.checks import kind_of
 from msbsdf_cli.results.free_paths import FreePaths
 from msbsdf_cli.results.lobes import Lobes
 from msbsdf_cli.results.result import Result
@@ -54,8 +55,13 @@ def compare(simulated: Result, modelled: Result) -> dict[str, Array]:
     """The rows of agreement.csv as arrays by column: energies, and distances between lobes.
 
     `difference` is modelled minus simulated, or the distance; `own` what it would be without
-    noise, with its error bar `own_stderr`. Raises ValueError where the two are not of one scene.
+    noise, with its error bar `own_stderr`. Raises ValueError where the two are not of one scene, or
+    the other way round.
     """
+    for result in (simulated, modelled):
+        kind_of(result, Result, "a result of simulate or walk")
+    if (simulated.kind, modelled.kind) == ("walk", "simulate"):
+        raise ValueError("the results are of walk and of simulate: what is simulated comes first.")
     for name in SAME:
         a, b = (r.settings.get(name) for r in (simulated, modelled))
         if a != b:

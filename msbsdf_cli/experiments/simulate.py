@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from msbsdf_cli.checks import count, direction_in
+from msbsdf_cli.checks import count, direction_in, kind_of
 from msbsdf_cli.experiments.own_surface import light_on, number_of_pieces, parts
 from msbsdf_cli.model import described
 from msbsdf_cli.results.result import Result
+from msbsdf_cli.statistics.tally import MOST_ORDERS
 from surfaces.facet import Array
 from surfaces.field import HeightField
 from surfaces.materials import Material
@@ -31,8 +32,10 @@ def simulate(
     under way after `max_order` facets, and rays that are lost, count as unresolved. Raises
     ValueError for what is out of range.
     """
+    kind_of(field, HeightField, "a HeightField")
+    kind_of(material, Material, "a material, such as Conductor(),")
     wi = direction_in(wi).astype(float)
-    rays, orders = count(rays, "rays"), count(orders, "orders")
+    rays, orders = count(rays, "rays"), count(orders, "orders", most=MOST_ORDERS)
     seed, max_order = count(seed, "seed", 0), count(max_order, "max_order")
     number, windows = number_of_pieces(field)
     each, tallies = -(-rays // number), []

@@ -26,15 +26,24 @@ class SliceError:
 
 
 def slice_errors(values: list[Values], phi: float) -> list[SliceError]:
-    """All methods and incident angles in all channels; nothing where no method can be trusted."""
+    """All methods and incident angles in all channels; nothing where no method can be trusted, or
+    `dark` says that there is nothing to be wrong about."""
     against = most_trusted(v.method for v in values)
     truth = {v.theta: v for v in values if v.method == against}
     rows = []
     for v in (v for v in values if against is not None and v.method != against):
         for c, channel in enumerate(channel_names(len(v.value))):
+            if dark(truth[v.theta], c):
+                continue
             error = _error(v, truth[v.theta], c)
             rows.append(SliceError(v.method, str(against), v.theta, phi, channel, *error))
     return rows
+
+
+def dark(truth: Values, channel: int) -> bool:
+    """Whether less light than its noise goes to the directions of the slice."""
+    value, stderr = truth.value[channel, -1], truth.stderr[channel, -1]
+    return not value.sum() > np.sqrt((stderr**2).sum())
 
 
 def _error(mine: Values, truth: Values, channel: int) -> tuple[float, float]:

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msbsdf_cli.checks import count, direction_in
+from msbsdf_cli.checks import count, direction_in, kind_of
 from msbsdf_cli.memory.remembered import MOST, Remembered
 from msbsdf_cli.model import Smith
 from msbsdf_cli.results.result import Result
 from msbsdf_cli.run.executors import Workers, map_ordered
 from msbsdf_cli.smith.slopes import Slopes
 from msbsdf_cli.smith.walk import random_walk
-from msbsdf_cli.statistics.tally import Tally
+from msbsdf_cli.statistics.tally import MOST_ORDERS, Tally
 from surfaces.facet import Array
 from surfaces.light import Light
 from surfaces.spectrum import spectrum
@@ -114,8 +114,9 @@ def walk(
     with `submit`, or a number of processes; without it the walks run here. The numbers depend on
     `seed` alone. Raises ValueError for what is out of range.
     """
+    kind_of(model, Smith, "a model, such as Smith(Ggx(0.5, 0.5), Conductor()),")
     wi = direction_in(wi).astype(np.dtype(precision))
-    samples, orders = count(samples, "samples"), count(orders, "orders")
+    samples, orders = count(samples, "samples"), count(orders, "orders", most=MOST_ORDERS)
     seed, max_order = count(seed, "seed", 0), count(max_order, "max_order")
     spectrum(autocorrelation)
     remembered = remembered_surface(model.slopes, memory, autocorrelation)

@@ -270,7 +270,9 @@ def _draw_maps(grid: Grid, x: int, y: int, path: Path) -> None:
     is within two standard errors of 0."""
     places, titles, more = _rest(grid, [x, y])
     widths = [2.0] * len(grid.series)
-    figure, panes = panels(len(places), widths, 1.6, (0.55, 0.5), sharex=True, sharey=True)
+    figure, panes = panels(
+        len(places), widths, 1.6, (0.55, 0.5), right=0.5, sharex=True, sharey=True
+    )
     across, up = (np.array(_numbers(grid.names[i], grid.labels[i])) for i in (x, y))
     for row, (place, title) in enumerate(zip(places, titles, strict=True)):
         value, stderr = (_at(a, [x, y], place) for a in (grid.value, grid.stderr))

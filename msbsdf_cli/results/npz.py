@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 from zipfile import BadZipFile
 
 import numpy as np
+from numpy.lib.npyio import NpzFile
 
 from msbsdf_cli import __version__
 from surfaces.facet import Array
@@ -36,7 +37,7 @@ def read(
     Raises ValueError for any other file."""
     try:
         # Opened here, so that it is closed whatever NumPy makes of it.
-        with _stream(path, content) as stream, np.load(stream, allow_pickle=False) as file:
+        with _stream(path, content) as stream, _archive(stream) as file:
             about: dict[str, Any] = json.loads(str(file["about"]))
             arrays = {name: file[name] for name in file.files if name != "about"}
         if about["format"] != kind:
@@ -44,6 +45,13 @@ def read(
     except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error) as error:
         raise ValueError(f"{path} does not hold a {kind.rpartition(' ')[0]}: {error}.") from None
     return about, arrays
+
+
+def _archive(stream: BinaryIO) -> NpzFile:
+    file = np.load(stream, allow_pickle=False)
+    if not isinstance(file, NpzFile):
+        raise ValueError("it is a single array")
+    return file
 
 
 def _stream(path: str | Path, content: bytes | None) -> BinaryIO:

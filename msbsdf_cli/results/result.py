@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from msbsdf_cli.checks import kind_of
 from msbsdf_cli.results import npz
 from msbsdf_cli.results.files import Table, from_rows
 from msbsdf_cli.results.lobes import Lobes, lobes_of, order_names
@@ -137,16 +138,19 @@ def merge(results: Sequence[Result]) -> Result:
     Its error bars are those of one long run. Raises ValueError where they are not of one scene, or
     a seed is in two of them, whose light would be counted twice.
     """
+    kind_of(results, Sequence, "a list of results")
+    for result in results:
+        kind_of(result, Result, "a result of simulate or walk")
     if not results:
         raise ValueError("no results are given to merge.")
     first = results[0]
     for other in results[1:]:
+        if other.kind != first.kind:
+            raise ValueError(f"the results are of `{first.kind}` and of `{other.kind}`.")
         for name in {*first.settings, *other.settings}:
             a, b = (r.settings.get(name) for r in (first, other))
             if a != b:
                 raise ValueError(f"the results differ in {name}: {a} and {b}.")
-        if other.kind != first.kind:
-            raise ValueError(f"the results are of `{first.kind}` and of `{other.kind}`.")
     seeds = [seed for result in results for seed in result.seeds]
     twice = {seed for seed in seeds if seeds.count(seed) > 1}
     if twice:

@@ -18,6 +18,9 @@ from surfaces.light import Light, sequence_name
 BINS = THETA_BINS * PHI_BINS
 """Of the lobe on one side."""
 
+MOST_ORDERS = 10
+"""Told apart: there are 2 to that power histories of reflection and transmission, and more."""
+
 MOMENTS = ("x", "y", "z", "xx", "yy", "zz")
 SIDES = ("reflected", "transmitted")
 REST = ("absorbed", "unresolved")

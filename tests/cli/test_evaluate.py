@@ -29,6 +29,16 @@ def rows_of(rows, **wanted):
     return [row for row in rows if all(row[k] == v for k, v in wanted.items())]
 
 
+def test_a_slice_that_misses_the_light_says_so(tmp_path):
+    """A mirror so smooth that nothing goes to any direction of the slice."""
+    words = ["--alpha", "1e-4", "--theta", "0.5", "--points", 6, "--samples", 200, "--quiet"]
+    out = tmp_path / "r"
+    result = msbsdf("evaluate", *words, "--method", "walk,single", "--out", out)
+    assert result.returncode == 0, result.stderr
+    assert "theta 28.65° goes between the directions of the slice" in result.stderr
+    assert not (out / "errors.csv").exists()
+
+
 @pytest.mark.parametrize("material", ["conductor", "diffuse", "dielectric"])
 def test_methods_agree_in_the_table(material, tmp_path):
     out = tmp_path / "report"

@@ -147,6 +147,9 @@ def test_what_belongs_to_a_file_is_refused_without_one(tmp_path):
     np.save(tmp_path / "a.npy", np.ones((8, 8)))
     path = tmp_path / "a.npy"
     assert "without roughness" in refused("simulate", "--surface", path, "--step", "1")
+    # A plane, but for rounding.
+    np.save(path, 1e-7 * np.add.outer(np.arange(64), np.arange(64)))
+    assert "levelling leaves nothing" in refused("simulate", "--surface", path, "--step", "1um")
     np.save(path, np.sin(np.arange(64.0))[:, None] + np.zeros(64))
     words = ["--surface", path, "--step", "1", "--out", tmp_path / "r"]
     assert "no slopes along y" in refused("simulate", *words)

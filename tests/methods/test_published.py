@@ -70,10 +70,15 @@ def test_glass_at_grazing_incidence_keeps_its_height(kind, dtype, bounces, refle
         assert abs(found[0].sum() - reflected) < 0.01
         # No first-order transmission, of which there should be much.
         assert found[1, 1] == 0
-        assert Solve(kind(0.5, 0.5), GLASS, 2, 0.5).energy(direction(1.5707)).transmitted[0, 0] > 0.6
+        assert (
+            Solve(kind(0.5, 0.5), GLASS, 2, 0.5).energy(direction(1.5707)).transmitted[0, 0] > 0.6
+        )
     else:
         assert found[1, 2] < 1e-3
-        assert abs(Solve(Ggx(0.5, 0.5), GLASS, 2, 0.5).energy(direction(1.5707)).transmitted[0, 1]) > 0.4
+        assert (
+            abs(Solve(Ggx(0.5, 0.5), GLASS, 2, 0.5).energy(direction(1.5707)).transmitted[0, 1])
+            > 0.4
+        )
 
 
 def test_a_bound_on_bounces_loses_energy():

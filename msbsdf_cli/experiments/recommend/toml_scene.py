@@ -74,7 +74,7 @@ def _tolerance(path: Path, content: dict[str, Any]) -> float | None:
     except ValueError as error:
         raise SceneFileError(f"{path}: {error}") from None
     if not 0 < tolerance < 1:
-        raise SceneFileError(f"{path}: tolerance is {tolerance:g}: from 0 to 1 is wanted.")
+        raise SceneFileError(f"{path}: tolerance is {tolerance:g}: above 0 and below 1 is wanted.")
     return tolerance
 
 

@@ -27,8 +27,8 @@ class Slopes(ABC):
 
     def __post_init__(self) -> None:
         for name in ("alpha_x", "alpha_y"):
-            alpha = getattr(self, name)
-            if not np.all((alpha > 0) & (alpha < np.inf)):
+            alpha = np.asarray(getattr(self, name))
+            if alpha.dtype.kind not in "fiu" or not np.all((alpha > 0) & (alpha < np.inf)):
                 raise ValueError(f"{name} is {alpha}: a roughness is a finite number above 0.")
 
     @property
