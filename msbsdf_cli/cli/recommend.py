@@ -80,7 +80,7 @@ def command(**options: Any) -> None:
     report = Report("recommend", _slug(options["scene"]), options)
     report.warn([f"{name} is not judged: {reason}." for name, reason in content.left_out])
     report.warn(content.notes)
-    report.warn(time_warnings(content.surfaces, options))
+    report.warn(time_warnings(content.surfaces, wanted, options))
     if not content.surfaces:
         raise click.ClickException(f"{options['scene']} has no surface that can be judged.")
     with report.draft() as draft:
@@ -171,15 +171,14 @@ def show_sheet(entries: list[Any]) -> None:
     show_table(("material", "slopes", *(percent(t) for t in tolerances)), lines, "sheet.csv")
 
 
-def time_warnings(surfaces: list[Any], options: dict[str, Any]) -> list[str]:
+def time_warnings(surfaces: list[Any], wanted: Any, options: dict[str, Any]) -> list[str]:
     """A sentence where the surfaces of a scene take long."""
     from msbsdf_cli.cli.common import LONG_S, duration
-    from msbsdf_cli.experiments.recommend import candidates
     from msbsdf_cli.experiments.recommend import surfaces as explicit
 
     threads, reason = options["threads"], "smooth surfaces and those of two roughnesses take long"
     if options["against"] == "smith":
-        each = {surface.name: candidates.seconds(surface) for surface in surfaces}
+        each = {s.name: seconds_of(s, wanted, LONG_S / len(surfaces)) for s in surfaces}
         expected = max(sum(each.values()) / threads, max(each.values(), default=0))
     else:
         each = {s.name: explicit.seconds(s, options["samples"]) for s in surfaces}
@@ -189,6 +188,18 @@ def time_warnings(surfaces: list[Any], options: dict[str, Any]) -> list[str]:
     longest = max(each, key=lambda name: each[name])
     about = f"this will take about {duration(expected)}, most of it for {longest}"
     return [f"{about}; {reason}, at each angle, roughness and channel."]
+
+
+def seconds_of(surface: Any, wanted: Any, long: float) -> float:
+    """About how many seconds of one core a surface takes; where that is `long`, it is asked whether
+    the bound of single scattering ends it at once."""
+    from msbsdf_cli.experiments.recommend import candidates
+
+    found = candidates.seconds(surface)
+    if found < long:
+        return found
+    bound = candidates.single_bound(surface, wanted.scale).bound
+    return 0.0 if bound <= wanted.tolerance else found
 
 
 def _slug(scene: str) -> str:

@@ -79,7 +79,7 @@ def study(command: str, texts: dict[str, list[str]], seeds: tuple[int, ...] = ()
     words, texts = texts, dict(texts)
     on = flags(texts, known)
     found: click.Command = import_module(f"msbsdf_cli.cli.{command}").command
-    with found.make_context(command, []) as ctx:
+    with found.make_context(f"msbsdf {command}", []) as ctx:
         options = {name: value for name, value in ctx.params.items() if name in known}
         options |= on
         # In the command's own order, so that pieces have the same numbers however it is typed.

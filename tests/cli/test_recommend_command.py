@@ -5,8 +5,13 @@ import json
 import pytest
 from command_line import msbsdf, refused, table
 
+from msbsdf_cli.cli.recommend import time_warnings
 from msbsdf_cli.experiments.recommend import rendered
+from msbsdf_cli.experiments.recommend.choice import Wanted
+from msbsdf_cli.experiments.recommend.scene_surface import SceneSurface
 from msbsdf_cli.experiments.render.picture import Settings
+from msbsdf_cli.smith.slopes import Ggx
+from surfaces.materials import Conductor
 
 SCENE = """
 [[surface]]
@@ -23,6 +28,13 @@ material = "conductor"
 slopes = "ggx"
 alpha = 0.6
 """
+
+
+@pytest.mark.parametrize(("alpha", "warned"), [((1e-6, 1e-6), False), ((0.001, 0.7), True)])
+def test_what_its_bound_ends_at_once_is_not_said_to_take_long(alpha, warned):
+    tap = SceneSurface("tap", Conductor.named("gold"), (Ggx(*alpha),), (0.0, 0.8))
+    said = time_warnings([tap], Wanted(0.01), {"threads": 1, "against": "smith"})
+    assert any("will take about" in sentence for sentence in said) == warned
 
 
 def test_a_scene_gets_a_sentence_a_table_and_a_picture(tmp_path):
