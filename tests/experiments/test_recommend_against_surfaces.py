@@ -28,8 +28,8 @@ def mirror():
 def test_the_floor_is_the_distance_that_another_simulation_finds(mirror):
     """One field and its pieces, where the recommendation has many surfaces and regression."""
     field = ms.HeightField.random(alpha=1.0, seed=5, extent=32)
-    truth = ms.simulate(field, Conductor(), ms.direction(0.0), rays=300_000)
-    rows = ms.compare(truth, ms.walk(ms.Smith(ROUGH, Conductor()), ms.direction(0.0), 400_000))
+    truth = ms.simulate(field, Conductor(), ms.direction(0.0), rays=150_000)
+    rows = ms.compare(truth, ms.walk(ms.Smith(ROUGH, Conductor()), ms.direction(0.0), 200_000))
     (row,) = np.flatnonzero(
         (rows["quantity"] == "total_variation")
         & (rows["order"] == "all")

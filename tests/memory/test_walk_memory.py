@@ -171,7 +171,7 @@ def test_values_add_up_to_the_energies_of_walks(material):
     slopes, wi, n = Beckmann(1, 0.7), direction(1.1, 0.3), 40_000
     method = WalkMemory(slopes, material, 2)
     walked = energies(random_walk(method.memory, slopes, material, wi, n, RNG(3), 1000), n)
-    w, solid_angle = sphere(24) if material.transmits else hemisphere(24)
+    w, solid_angle = sphere(16) if material.transmits else hemisphere(16)
     runs = np.array([method.evaluate(wi, w, 450, RNG(k)).value[0] @ solid_angle for k in range(4)])
     stderr = runs.std(axis=0, ddof=1) / 2
     noise = np.sqrt(walked * (1 - walked) / n)

@@ -81,7 +81,7 @@ def test_samples_follow_the_values(name, material):
         return
     method, wi = METHODS[name](Beckmann(1, 0.8), material, 2), direction(0.8, 0.3)
     assert method.name == name
-    probe, solid_angle = sphere(20 if material.transmits else 10)
+    probe, solid_angle = sphere(16 if material.transmits else 10)
     # Of a method without noise, the second run shows that there is none.
     seeds = range(2 if method.deterministic else 8)
     runs = [method.evaluate(wi, probe, 300, RNG(seed)) for seed in seeds]

@@ -16,7 +16,7 @@ from msbsdf_cli.validation.suite import IDENTITIES, name, plan
 from surfaces import streams
 
 ROOT = Path(__file__).parents[2]
-SURFACES = ["--cells", "4", "--extent", "8", "--realisations", "3", "--samples", "600"]
+SURFACES = ["--cells", "4", "--extent", "8", "--realisations", "2", "--samples", "400"]
 RUNS = [
     [
         *("sweep", "compare", *SURFACES, "--alpha", "0.5", "--alpha", "1", "--theta", "0,1"),
