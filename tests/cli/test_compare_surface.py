@@ -12,7 +12,7 @@ from msbsdf_cli.smith.slopes import Beckmann
 from surfaces.field import HeightField
 from surfaces.materials import Conductor
 
-FEW = ["--samples", "1e5", "--free-path-theta", "1", "--free-path-height", "0"]
+FEW = ["--samples", "5e4", "--free-path-theta", "1", "--free-path-height", "0"]
 ANGLES = ["--theta", "0.3,1.2", "--step", "1", "--periodic", "--height-unit"]
 
 

@@ -92,7 +92,7 @@ def test_fitted_walks_are_those_of_a_comparison_in_parts_and_seeds_add_up(monkey
     # Tables of counted slopes that are made in no time, at a few more rejections.
     monkeypatch.setattr(_visible_cells, "POLAR_BINS", 8)
     monkeypatch.setattr(_visible_cells, "AZIMUTH_BINS", 16)
-    ridges = replace(COARSE, cells=6, realisations=16, heights_of="ridges:1")
+    ridges = replace(COARSE, cells=6, realisations=8, heights_of="ridges:1")
     scene = Scene(Conductor(), Beckmann(0.5, 0.5), (1.0,))
     states, wholes = [], []
     for seed in (1, 2):
