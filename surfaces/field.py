@@ -222,7 +222,7 @@ def _one_period(heights: Array) -> tuple[Array, tuple[str, ...]]:
 
 
 ROUNDING = 1e-12
-"""Of heights that were transformed and back."""
+"""Of heights that were levelled, or transformed and back."""
 
 REPEATED = 1e-6
 """Of the height of a surface: single precision of files."""

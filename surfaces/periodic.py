@@ -29,7 +29,7 @@ def next_triangle(surface: Surface, o: Array, d: Array, inside: Array | None) ->
                 return triangle
             along = d.take(seeking, axis=1)
             start = _at_the_rim(surface, o.take(seeking, axis=1), along)
-            # Who is beyond the highest point, but comes down, is still to meet the surface.
+            # A ray beyond the highest point that comes down is still to meet the surface.
             above = (start[2] >= surface.top) & (along[2] >= 0)
             under = (start[2] < surface.bottom) & (along[2] <= 0)
             away = above | under

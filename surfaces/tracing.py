@@ -109,6 +109,7 @@ class Tracer:
         triangle = next_triangle(self.surface, rays.o, d, _below(rays))
         escaped, lost = (np.flatnonzero(triangle == none) for none in (ESCAPED, LOST))
         if escaped.size:
+            # Light that arrives has to meet a facet before it leaves.
             yield _leave(rays, escaped, order - 1, resolved=order > 1)
         if lost.size:
             yield _leave(rays, lost, order - 1, resolved=False)

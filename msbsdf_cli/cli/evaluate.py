@@ -104,17 +104,19 @@ def hardly_known(values: list[Any]) -> list[str]:
 
 
 def dark_slices(values: list[Any]) -> list[str]:
-    """Sentences on slices that hardly any light goes to."""
+    """Sentences on slices that hardly any light goes to, by the method that others are held
+    against; without one, by the first."""
     from msbsdf_cli.experiments.slice_errors import dark
+    from msbsdf_cli.methods.registry import most_trusted
     from msbsdf_cli.scene import in_degrees
 
-    misses = {v.theta: dark(v, 0) for v in values}
-    misses |= {v.theta: False for v in values if not dark(v, 0)}
+    against = most_trusted(v.method for v in values) or values[0].method
+    mine = (v for v in values if v.method == against)
     return [
-        f"light of theta {in_degrees(theta)} goes between the directions of the slice: what goes "
+        f"light of theta {in_degrees(v.theta)} goes between the directions of the slice: what goes "
         "to them is less than its noise; more --points would have one where the light is."
-        for theta, missed in misses.items()
-        if missed
+        for v in mine
+        if any(dark(v, c) for c in range(len(v.value)))
     ]
 
 

@@ -48,6 +48,7 @@ def read(
 
 
 def _archive(stream: BinaryIO) -> NpzFile:
+    """Of .npz files; raises ValueError for an array alone."""
     file = np.load(stream, allow_pickle=False)
     if not isinstance(file, NpzFile):
         raise ValueError("it is a single array")

@@ -54,7 +54,7 @@ def test_energy_with_absorption(material):
 
 @pytest.mark.parametrize("views", [1, 8])
 def test_light_from_the_horizon_comes_down_to_the_surface(views):
-    """With each period it falls by less than single precision can tell of a height."""
+    """With each period it falls by hardly more than single precision can tell of a height."""
     surface = make(extent=8)
     tracer = Tracer(surface, surface.stretch(10.0, 10.0, 0.0), Conductor(), views)
     fall = 8 * 2 / 10 / np.tan(1.570796)
